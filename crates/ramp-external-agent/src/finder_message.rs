@@ -9,7 +9,8 @@ use ramp_vision::untagged::Believed;
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
 
-use crate::protocol::{PoseText, pose};
+use crate::observation::pose;
+use crate::protocol::PoseText;
 
 /// The version of the messages.
 pub const VERSION: u32 = 1;

@@ -7,7 +7,8 @@ use ramp_robot::camera::Mount;
 use ramp_robot::{Camera, CameraModel, Robot, Track};
 use serde_json::{Value, json};
 
-use crate::protocol::{PROTOCOL, pose};
+use crate::observation::pose;
+use crate::protocol::PROTOCOL;
 use ramp_log::Sources;
 use ramp_world::start::Scatter;
 use ramp_world::{Range, Start};

@@ -16,6 +16,7 @@ mod finder;
 pub mod finder_message;
 mod goal;
 pub mod limits;
+pub mod observation;
 mod planner;
 mod powers;
 pub mod process;

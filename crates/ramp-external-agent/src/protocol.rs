@@ -5,13 +5,14 @@ use anstream::adapter::strip_str;
 use nalgebra::{Quaternion, Translation3, UnitQuaternion, Vector6};
 use ramp_kit::source::{A_NAME, is_name, is_text, plain, shorten, without_mark};
 use ramp_robot::{
-    ArmCommand, Camera, Command, DOF, Event, EventKind, FingerTouch, GripperCommand, Image, ImageWidth,
-    Impedance, MOST_EVENT, OLDER_KINDS, Observation, PartReading, Pose, RobotError, is_reserved,
+    ArmCommand, Camera, Command, DOF, Event, EventKind, GripperCommand, Image, ImageWidth, Impedance,
+    MOST_EVENT, OLDER_KINDS, Observation, PartReading, Pose, RobotError, is_reserved,
 };
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
 
 use crate::limits::MOST_PERIODS;
+use crate::observation::{observation, pose};
 
 /// The version of the protocol.
 pub const PROTOCOL: u32 = 1;
@@ -423,31 +424,6 @@ impl Answer {
     }
 }
 
-/// An observation as the protocol has it.
-fn observation(seen: &Observation) -> Value {
-    let mut value = json!({
-        "time": seen.time,
-        "positions": seen.positions,
-        "velocities": seen.velocities,
-        "torques": seen.torques,
-        "x_wt": pose(&seen.x_wt),
-        "wrench": seen.wrench.as_slice(),
-        "width": seen.width,
-        "gripper_busy": seen.gripper_busy,
-    });
-    if let Some(touch) = &seen.touch {
-        let finger = |it: FingerTouch| json!({"force": it.force.as_slice(), "centre": it.centre});
-        value["touch"] = touch.fingers.map(finger).to_vec().into();
-    }
-    value
-}
-
-/// A pose as the protocol has it.
-pub fn pose(x: &Pose) -> Value {
-    let (p, q) = (x.translation.vector, x.rotation.quaternion());
-    json!({"position": [p.x, p.y, p.z], "quat_wxyz": [q.w, q.i, q.j, q.k]})
-}
-
 #[cfg(test)]
 mod tests {
     // A failed unwrap here is a failed test.
@@ -474,31 +450,6 @@ mod tests {
         assert_eq!(event(push).unwrap().kind.to_string(), "push b4 by b4l2");
         let older = json!({"kind": "diagnosis", "what": "jam: b4 stands still"});
         assert_eq!(event(older).unwrap().kind.to_string(), "jam: b4 stands still");
-    }
-
-    /// An observation has the readings of tactile sensors where there are any.
-    #[test]
-    fn an_observation_tells_what_the_fingers_feel() {
-        let mut seen = Observation {
-            time: 0.5,
-            positions: [0.0; DOF],
-            velocities: [0.0; DOF],
-            torques: [0.0; DOF],
-            x_wt: Pose::identity(),
-            wrench: nalgebra::Vector6::zeros(),
-            width: 0.02,
-            gripper_busy: false,
-            touch: None,
-        };
-        assert!(observation(&seen).get("touch").is_none());
-        let finger = |y: f64, centre| FingerTouch { force: nalgebra::Vector3::new(0.5, y, -1.0), centre };
-        seen.touch =
-            Some(ramp_robot::Touch { fingers: [finger(-20.0, Some([0.001, 0.017])), finger(1.5, None)] });
-        let expected = json!([
-            {"force": [0.5, -20.0, -1.0], "centre": [0.001, 0.017]},
-            {"force": [0.5, 1.5, -1.0], "centre": null},
-        ]);
-        assert_eq!(observation(&seen)["touch"], expected);
     }
 
     #[test]

@@ -2,8 +2,8 @@
 
 use nalgebra::Vector3;
 
-/// The last readings of the tactile sensors of both fingers: first of the finger that is on the side +y of the
-/// tip T, and closes along −y.
+/// The last readings of the tactile sensors of both fingers: first of the finger that is on the side +y of
+/// the tip T, and closes along −y.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Touch {
     /// Of each finger.
@@ -13,17 +13,10 @@ pub struct Touch {
 /// Reading of the tactile sensor of a finger.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FingerTouch {
-    /// Force of the finger on the object that it touches, N, axes of the tip T: x along the width of the pad, y
-    /// along the closing direction, z out of the hand. Noisy; it drifts, and ends at the range of the sensor.
+    /// Force of the finger on the object that it touches, N, axes of the tip T: x along the width of the
+    /// pad, y along the closing direction, z out of the hand. Noisy; it drifts, and ends at the range of
+    /// the sensor.
     pub force: Vector3<f64>,
     /// Centre of pressure on the pad, m: its x and z in T. `None` while the finger presses too lightly.
     pub centre: Option<[f64; 2]>,
-}
-
-impl Touch {
-    /// Force of both fingers on the objects that they touch, N, axes of T. Along y the larger of both ends at
-    /// the range of a sensor, so the sum is the force on the object along x and z alone.
-    pub fn force(&self) -> Vector3<f64> {
-        self.fingers[0].force + self.fingers[1].force
-    }
 }

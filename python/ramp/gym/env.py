@@ -77,8 +77,7 @@ class RampEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
                 each episode gets a new one, which takes longer.
             whole_scene: Simulate all parts of the kit instead of those that the task needs.
             frame: How the frame holds that stands before a skill: ``rigid``, as one body without the parts
-                that the skill moves, or ``free``, by contact alone as in ``ramp trials``. A whole goal is
-                always free.
+                that the skill moves, or ``free``, by contact alone. A whole goal is always free.
             action: ``cartesian``, ``joint`` or ``raw``.
             turns: Whether a Cartesian action rotates the hand.
             gripper: Whether an action moves the fingers.

@@ -13,7 +13,8 @@ use std::time::Duration;
 use miette::{IntoDiagnostic, Report, miette};
 use ramp_assembly::Assembly;
 use ramp_data::Texts;
-use ramp_external_agent::{AgentFile, ExternalAgent, GoalMessage, Patience, protocol};
+use ramp_external_agent::observation::pose;
+use ramp_external_agent::{AgentFile, ExternalAgent, GoalMessage, Patience};
 use ramp_gym::known::Known;
 use ramp_gym::outline::read_outline;
 use ramp_gym::own::{Body, BodyError, Moment, OwnSkill, kind, kinds};
@@ -164,7 +165,7 @@ fn task(moment: &Moment) -> Value {
     let held = held.as_ref().map(|held| {
         json!({
             "part": held.part,
-            "x_tp": protocol::pose(&held.x_tp),
+            "x_tp": pose(&held.x_tp),
             "mass": held.mass,
             "p_centre": held.p_centre.coords.as_slice(),
         })
@@ -173,8 +174,8 @@ fn task(moment: &Moment) -> Value {
         "kind": moment.kind.name(),
         "action": moment.action,
         "part": part,
-        "x_wp": protocol::pose(x_wp),
-        "x_goal": protocol::pose(x_goal),
+        "x_wp": pose(x_wp),
+        "x_goal": pose(x_goal),
         "gripper": {"width": gripper.width, "force": gripper.force},
         "posture": posture,
         "held": held,

@@ -64,7 +64,8 @@ pub struct Hand<'r> {
     pub(super) struck: bool,
     /// Something has pushed the held part during a trajectory, since it was grasped or last seen.
     pub pushed: bool,
-    /// The fingers held the part too weakly at some time since it was grasped: it may have turned between them.
+    /// The fingers held the part too weakly at some time since it was grasped: it may have turned between
+    /// them.
     pub slipped: bool,
     /// Forces of the fingers; `None` without tactile sensors.
     felt: Option<Felt>,

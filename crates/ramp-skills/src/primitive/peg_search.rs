@@ -166,9 +166,9 @@ impl Workcell<'_, '_> {
         Ok(false)
     }
 
-    /// Slides the tip of the held peg over the plate, the hand from stop to stop on the line through the mouth
-    /// (m, in the world) on which it is when a tilted peg's tip is at the hole. Stops are distances from the
-    /// mouth, m. Returns whether the tip went in.
+    /// Slides the tip of the held peg over the plate, the hand from stop to stop on the line through the
+    /// mouth (m, in the world) on which it is when a tilted peg's tip is at the hole. Stops are distances
+    /// from the mouth, m. Returns whether the tip went in.
     fn slide_along(&mut self, mouth: &Vector3<f64>, stops: &[f64], speed: f64) -> Result<bool, SkillError> {
         let axis = self.across();
         let aside = Vector3::z().cross(&axis);
@@ -191,9 +191,9 @@ impl Workcell<'_, '_> {
         Ok(false)
     }
 
-    /// The tip of the held peg is in the hole at `mouth` (m, in the world). Sets a peg upright that is `tilted`,
-    /// or must be, since the hand is farther beside the hole than a beam is from where it was seen. Returns
-    /// whether it did.
+    /// The tip of the held peg is in the hole at `mouth` (m, in the world). Sets a peg upright that is
+    /// `tilted`, or must be, since the hand is farther beside the hole than a beam is from where it was
+    /// seen. Returns whether it did.
     pub fn set_upright_if_beside(
         &mut self,
         peg: &str,

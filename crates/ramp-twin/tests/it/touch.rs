@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
 use ramp_robot::{
-    ArmCommand, Command, FingerTouch, GRAVITY, GripperCommand, Observation, Pose, Robot, Touch, Track,
+    ArmCommand, Command, FingerTouch, GRAVITY, GripperCommand, Observation, Pose, Robot, Touch,
 };
 use ramp_testing::GoalFiles;
 use ramp_twin::{Twin, World};
@@ -24,7 +24,14 @@ fn go(twin: &mut Twin, [from, to]: [Pose; 2], seconds: f64, gripper: GripperComm
         twin.step(&Command { arm, gripper }).unwrap();
     }
     let arm = ArmCommand::CartesianPose(to);
-    (0..300).for_each(|_| drop(twin.step(&Command { arm: arm.clone(), gripper }).unwrap()));
+    stay(twin, &Command { arm, gripper }, 300);
+}
+
+/// Repeats a command for so many periods.
+fn stay(twin: &mut Twin, command: &Command, periods: usize) {
+    for _ in 0..periods {
+        twin.step(command).unwrap();
+    }
 }
 
 /// Grips b4 where it lies at the start of easy-1 with so much force (N), and lifts it. Returns the twin, its
@@ -55,6 +62,11 @@ fn touch(seen: &Observation) -> Touch {
     seen.touch.unwrap()
 }
 
+/// Force of both fingers on the part, N, axes of the tip.
+fn force(touch: &Touch) -> Vector3<f64> {
+    touch.fingers[0].force + touch.fingers[1].force
+}
+
 /// Fingers that hold a beam at rest carry its weight, and press as hard as the gripper. Open ones report
 /// nothing.
 #[test]
@@ -63,7 +75,7 @@ fn a_held_beam_weighs_on_the_fingers() {
     let seen = touch(&twin.observe());
     let [first, second] = seen.fingers;
     // The tip's z is downwards.
-    assert!((seen.force().z + mass * GRAVITY).abs() < 0.02 * mass * GRAVITY, "{seen:?}");
+    assert!((force(&seen).z + mass * GRAVITY).abs() < 0.02 * mass * GRAVITY, "{seen:?}");
     assert!((first.force.y + 15.0).abs() < 0.3 && (second.force.y - 15.0).abs() < 0.3, "{seen:?}");
     for finger in seen.fingers {
         // On the rib, which is 17 mm from the tip and 20 mm wide.
@@ -71,7 +83,7 @@ fn a_held_beam_weighs_on_the_fingers() {
         assert!(x.abs() < 0.0101 && (z - 0.017).abs() < 0.003, "{seen:?}");
     }
     last.gripper.width = OPEN;
-    (0..1000).for_each(|_| drop(twin.step(&last).unwrap()));
+    stay(&mut twin, &last, 1000);
     let nothing = FingerTouch { force: Vector3::zeros(), centre: None };
     assert_eq!(touch(&twin.observe()).fingers, [nothing; 2]);
 }
@@ -85,7 +97,7 @@ fn readings_have_the_errors_of_the_world() {
     let changes = readings.windows(2).filter(|pair| pair[0] != pair[1]).count();
     assert_eq!(changes, readings.len() / 10);
     assert!(fresh.iter().all(|reading| reading.fingers[0].force.y == -20.0));
-    let weights: Vec<f64> = fresh.iter().map(|reading| -reading.force().z).collect();
+    let weights: Vec<f64> = fresh.iter().map(|reading| -force(reading).z).collect();
     let mean = weights.iter().sum::<f64>() / weights.len() as f64;
     let spread = weights.iter().map(|it| (it - mean).powi(2)).sum::<f64>() / weights.len() as f64;
     // The noise of two sensors; their drift stays within three of its deviations.
