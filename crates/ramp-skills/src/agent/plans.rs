@@ -66,6 +66,7 @@ impl<'a> Baseline<'a> {
             .from_here(believed.clone(), cell.hand.joints(), self.seed)
             .with_holders(cell.belief.parts.holders(kit))
             .without_grasps(self.history.grasps().clone())
+            .without_lost(|part| cell.belief.parts.is_lost(part))
             .without_unseen(self.start.scatter.as_ref().map(|_| &believed[..]))
     }
 

@@ -42,16 +42,16 @@ impl Belief {
         outlines::holders(kit, kit.pegs.iter().filter_map(|peg| self.parts.get(&peg.name)?.found))
     }
 
+    /// Whether a part may be anywhere, and so stands in no way.
+    pub fn is_lost(&self, part: &str) -> bool {
+        let anywhere = self.parameters.anywhere.powi(2);
+        self.parts.get(part).is_some_and(|part| part.estimate.covariance[(0, 0)] > anywhere)
+    }
+
     /// Everything that stands around, as boxes in the world, without the parts named in `without`.
     pub fn obstacles(&self, kit: &Kit, without: &[&str]) -> Vec<Obstacle> {
         let mut obstacles = Vec::new();
-        // A lost part may be anywhere except at its old place.
-        let lost = |name: &str| {
-            self.parts
-                .get(name)
-                .is_some_and(|part| part.estimate.covariance[(0, 0)] > self.parameters.anywhere.powi(2))
-        };
-        let left_out = |name: &str| without.contains(&name) || lost(name);
+        let left_out = |name: &str| without.contains(&name) || self.is_lost(name);
         for beam in kit.beams.iter().filter(|beam| !left_out(&beam.name)) {
             if let Some(x_wb) = self.find(&beam.name) {
                 obstacles.extend(beam_boxes(beam, &x_wb));

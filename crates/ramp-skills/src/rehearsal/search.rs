@@ -139,6 +139,13 @@ impl<'a> Rehearsal<'a> {
         self
     }
 
+    /// Without parts that were lost: nobody knows where they are.
+    #[must_use]
+    pub fn without_lost(mut self, is_lost: impl Fn(&str) -> bool) -> Rehearsal<'a> {
+        self.scene.now.parts.retain(|part, _| !is_lost(part));
+        self
+    }
+
     /// With these grasps of beams, by name, as the last choice: they were tried.
     #[must_use]
     pub fn without_grasps(mut self, tried: BTreeMap<String, Vec<BeamGrasp>>) -> Rehearsal<'a> {
