@@ -147,7 +147,9 @@ pub fn recover(
     note_fault(cell, done)?;
     let kit = cell.kit;
     for peg in &kit.pegs {
-        if cell.belief.pinned.iter().any(|(_, name)| *name == peg.name) {
+        let pinned = cell.belief.pinned.iter().any(|(_, name)| *name == peg.name);
+        // One that no camera has found since it was lost is believed to be where the hand was.
+        if pinned || cell.belief.parts.is_lost(&peg.name) {
             continue;
         }
         let Ok(Some(connection)) = cell.belief.fallen_into(&peg.name) else { continue };

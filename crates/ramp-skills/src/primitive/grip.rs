@@ -221,8 +221,6 @@ impl Workcell<'_, '_> {
         self.belief.parts.update(&mut self.hand)?;
         let x_wp = self.belief.parts.pose(part)?;
         let x_tp = self.hand.seen.x_wt.inverse() * x_wp;
-        let width = if self.kit.beam(part).is_some() { BEAM_WIDTH } else { PEG_WIDTH };
-        let closed = (self.hand.seen.width - width).abs() > self.parameters.grip.width_tolerance;
         let mut slip = None;
         let here = self.hand.held.as_mut().filter(|held| held.part == part).is_some_and(|held| {
             let moved = x_tp.translation.vector - held.x_tp.translation.vector;
@@ -240,11 +238,9 @@ impl Workcell<'_, '_> {
             };
             moved.x.abs() < along && moved.yz().norm() < self.parameters.grip.strayed
         });
-        if closed || !here {
-            self.diagnose(Cause::PartLost, part, format!("{part} has left the hand"));
-            self.hand.held = None;
-            self.belief.parts.lost(part);
-            return Err(Fault::NotHeld { part: part.to_string() }.into());
+        self.check_width(part)?;
+        if !here {
+            return Err(self.lose(part).into());
         }
         let beside = x_tp.inverse() * Point3::new(self.parameters.grip.beside, 0.0, 0.0);
         if pushed && self.belief.parts.deviation(part, &beside)[1] > self.parameters.grip.unseen {
@@ -254,6 +250,26 @@ impl Workcell<'_, '_> {
             self.diagnose_grip(part, moved, turned);
         }
         Ok(())
+    }
+
+    /// Whether the fingers are as far apart as the part between them is wide.
+    ///
+    /// # Errors
+    /// [`Fault::NotHeld`] when they are not; the hand then counts as empty.
+    pub fn check_width(&mut self, part: &str) -> Result<(), SkillError> {
+        let width = if self.kit.beam(part).is_some() { BEAM_WIDTH } else { PEG_WIDTH };
+        if (self.hand.seen.width - width).abs() > self.parameters.grip.width_tolerance {
+            return Err(self.lose(part).into());
+        }
+        Ok(())
+    }
+
+    /// The part has left the hand: it may be anywhere below.
+    fn lose(&mut self, part: &str) -> Fault {
+        self.diagnose(Cause::PartLost, part, format!("{part} has left the hand"));
+        self.hand.held = None;
+        self.belief.parts.lost(part);
+        Fault::NotHeld { part: part.to_string() }
     }
 
     /// Is the held beam tilted in the hand?

@@ -185,6 +185,8 @@ impl Fasten {
             return Err(Fault::HoleNotFound { peg: peg.to_string(), connection: name }.into());
         }
         cell.press(connection, peg)?;
+        // The fingers may have pressed on without it.
+        cell.check_width(peg)?;
         if cell.belief.gap(connection, peg)? > STEM_LENGTH / 2.0 {
             // Through the female's plate, and on the male's: its hole is searched with a light force as well.
             let tip = plate + cell.belief.gap(connection, peg)? - STEM_LENGTH;
