@@ -42,6 +42,24 @@ impl Alteration<Twin> for Until {
     }
 }
 
+/// A peg that fell beside its hole, where no camera finds its tag, keeps no other peg from it.
+#[test]
+fn a_peg_that_is_lost_stands_in_no_way() {
+    let goal = GoalFiles::new("easy-1");
+    let real = ramp_twin::World::shipped("real").unwrap();
+    let fault = Some("peg-dropped@1".parse().unwrap());
+    let start = ramp_twin::Start::moved();
+    let setup = Setup { fault, start, world: real, ..goal.setup(Track::Tags, 2) };
+    let mut twin = Twin::new(&setup).unwrap();
+    let mut agent = goal.baseline(Track::Tags, 2);
+    let alteration = Until { after: 16.0, struck: None, widest: 0.0 };
+    agent.run(&mut Altered { robot: &mut twin, alteration }).unwrap_err();
+    let lost = twin.fault().unwrap().part.clone().unwrap();
+    let events: Vec<String> = agent.account().events.iter().map(|event| event.kind.to_string()).collect();
+    let fastened = |event: &String| event.starts_with("fasten C1") && !event.ends_with(&lost);
+    assert!(events.iter().any(fastened), "{events:?}");
+}
+
 /// The outcome of a fault, a given time (s) after its trigger.
 struct Outcome {
     report: FaultReport,
