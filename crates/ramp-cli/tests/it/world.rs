@@ -21,7 +21,7 @@ fn worlds_are_listed_and_shown() {
     let folder = tempfile::tempdir().unwrap();
     let list = done(&ramp(folder.path(), &["world", "list"]));
     let names: Vec<&str> = list.lines().filter_map(|line| line.split_whitespace().next()).collect();
-    assert_eq!(names, ["ideal", "real", "hard"]);
+    assert_eq!(names, ["ideal", "real", "hard", "ideal+touch", "real+touch", "hard+touch"]);
     let show = |arguments: &[&str]| done(&ramp(folder.path(), &[&["world", "show"], arguments].concat()));
     let real = show(&[]);
     assert!(real.contains("coulomb") && real.contains("Source: "), "{real}");
