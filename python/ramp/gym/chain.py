@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ramp._core import Driver, EpisodePictures, InputError, Robot, benchmark, run_episode
 from ramp._core import Observation as Sensed
 from ramp.agent import Skill, Task
-from ramp.gym.spaces import LIMITS, Goals, as_goals, check_options, check_seed, felt
+from ramp.gym.spaces import LIMITS, Goals, as_goals, check_options, check_seed, with_touch
 from ramp.gym.window import MODES, Window, check_mode
 from ramp.result import Result
 
@@ -130,7 +130,7 @@ class RampChainEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
         if len(several) != 1:
             raise InputError(f"{len(several)} goals, and one was expected")
         self.goal, self.skill, self.track = several[0], skill, track
-        self.world, self.start = felt(world, touch), os.fspath(start)
+        self.world, self.start = with_touch(world, touch), os.fspath(start)
         self.gripper, self.limit = gripper, limit
         check_mode(render_mode)
         self.render_mode = render_mode

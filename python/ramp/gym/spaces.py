@@ -69,7 +69,7 @@ def check_options(options: dict[str, Any] | None, known: Sequence[str] = ()) -> 
             raise InputError(f"`reset` has no option {name!r}; its options: {expected}")
 
 
-def felt(world: str | os.PathLike[str], touch: bool) -> str:
+def with_touch(world: str | os.PathLike[str], touch: bool) -> str:
     """The world, with tactile sensors in the fingers if ``touch``."""
     name = os.fspath(world)
     if not touch or name.endswith("+touch"):
@@ -107,7 +107,7 @@ def make_core(
         skill,
         [goal.source for goal in as_goals(goals)],
         track=track,
-        world=felt(world, touch),
+        world=with_touch(world, touch),
         start=os.fspath(start),
         begin=begin,
         whole_scene=whole_scene,

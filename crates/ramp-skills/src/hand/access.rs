@@ -67,7 +67,7 @@ pub struct Hand<'r> {
     /// The fingers held the part too weakly at some time since it was grasped: it may have turned between
     /// them.
     pub slipped: bool,
-    /// Forces of the fingers; `None` without tactile sensors.
+    /// Forces of the fingers; `None` before the first reading of tactile sensors.
     felt: Option<Felt>,
     feeling: FeltParameters,
     /// The largest force at the wrist in free space before the first grasp, N: the usual error of the wrench.
@@ -96,7 +96,7 @@ impl<'r> Hand<'r> {
             struck: false,
             pushed: false,
             slipped: false,
-            felt: seen.touch.as_ref().map(Felt::new),
+            felt: None,
             feeling: parameters.felt.clone(),
             usual_force: seen.wrench.fixed_rows::<3>(0).norm(),
             stops: 0,
@@ -191,7 +191,8 @@ impl<'r> Hand<'r> {
         }
         self.seen = self.robot.step(&command).inspect_err(|error| self.begin_anew(error))?;
         self.dead_time.sensed(self.seen.time, self.seen.width, self.parameters.told_every);
-        if let (Some(felt), Some(touch)) = (&mut self.felt, &self.seen.touch) {
+        if let Some(touch) = &self.seen.touch {
+            let felt = self.felt.get_or_insert_with(|| Felt::new(touch));
             felt.sense(touch, &self.feeling);
             if self.held.is_some()
                 && !self.seen.gripper_busy

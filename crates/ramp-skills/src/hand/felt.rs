@@ -1,4 +1,4 @@
-//! What tactile sensors in the fingers tell: a grip that is too weak.
+//! The sense of touch of tactile sensors in the fingers: it notices a grip that is too weak.
 
 use nalgebra::Vector3;
 use ramp_robot::{GripperCommand, PERIOD, Touch};
