@@ -515,11 +515,12 @@ fn kept(
 ) -> PyResult<Option<EpisodeResult>> {
     let Ok(text) = read_text(path, LARGEST) else { return Ok(None) };
     let (world, start) = (WorldLabel::of(setup.world).sha256, StartInfo::of(setup.start).sha256);
+    let state = setup.state.map(|state| StateInfo::of(&state.text).sha256);
     let shared = Shared {
         arm: &setup.arm.name,
         worlds: vec![&world],
         start: &start,
-        state: setup.state.map(|state| StateInfo::of(&state.text).sha256),
+        states: vec![state.as_deref()],
         secret: None,
         software,
         agent: Identity {
@@ -531,6 +532,7 @@ fn kept(
     let wanted = Wanted {
         goal: &setup.assembly.name,
         task: setup.task.told(),
+        state: state.as_deref(),
         count: match setup.task {
             Task::Build => setup.assembly.connections.len(),
             Task::TakeApart => setup.assembly.movable_parts().len(),

@@ -72,8 +72,8 @@ pub struct Shared<'a> {
     pub worlds: Vec<&'a str>,
     /// SHA-256 of the start's file, in hex.
     pub start: &'a str,
-    /// SHA-256 of the file of the state in which the frame begins, in hex; `None`: nothing is built.
-    pub state: Option<String>,
+    /// SHA-256 of the files of the states in which the frames begin, in hex; `None`: nothing is built.
+    pub states: Vec<Option<&'a str>>,
     /// The commitment of the secret.
     pub secret: Option<String>,
     /// This program.
@@ -89,6 +89,8 @@ pub struct Wanted<'a> {
     pub goal: &'a str,
     /// The task, as in results.
     pub task: Option<&'a str>,
+    /// SHA-256 of the file of the state in which the frame begins, in hex.
+    pub state: Option<&'a str>,
     /// Number of pegs of the goal, or of parts that are to be put back.
     pub count: usize,
     /// The track.
@@ -133,7 +135,7 @@ impl Shared<'_> {
         if start["sha256"].as_str() != Some(self.start) {
             return Err(Foreign::Start { theirs: start["name"].as_str().unwrap_or("none").to_string() });
         }
-        if value["state"]["sha256"].as_str() != self.state.as_deref() {
+        if !self.states.contains(&value["state"]["sha256"].as_str()) {
             return Err(Foreign::State);
         }
         if value["secret"].as_str() != self.secret.as_deref() {
@@ -166,6 +168,7 @@ impl Shared<'_> {
         let fits = result.schema == SCHEMA
             && result.goal == wanted.goal
             && result.task.as_deref() == wanted.task
+            && result.state.as_ref().map(|state| state.sha256.as_str()) == wanted.state
             && result.wanted() == wanted.count
             && result.track == wanted.track
             && result.world.as_ref().is_some_and(|world| world.sha256 == wanted.world)

@@ -8,7 +8,7 @@ use crate::episode::{EpisodeResult, RobotTime};
 /// One episode of a bench.
 #[derive(Clone, Debug)]
 pub struct Entry {
-    /// Pegs in its goal.
+    /// Pegs in its goal, or parts that are to be put back.
     pub pegs: usize,
     /// Its result; `None` when it was lost: it crashed, was killed or reached the wall-clock limit.
     pub result: Option<EpisodeResult>,
@@ -128,7 +128,7 @@ impl Summary {
 
 /// Reason why an episode is not complete, in the words of its result; `None` when it is complete.
 pub fn shortfall(result: &EpisodeResult) -> Option<String> {
-    if result.counted() == result.pegs.len() {
+    if result.counted() == result.wanted() {
         return None;
     }
     if result.ended.reason != "done" {

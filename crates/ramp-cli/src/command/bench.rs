@@ -5,7 +5,7 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 use miette::{IntoDiagnostic, Report, miette};
-use ramp_assembly::{Class, Size};
+use ramp_assembly::{Class, Size, Task};
 use ramp_data::Data;
 use ramp_episode::tape;
 use ramp_result::secret::Secret;
@@ -14,6 +14,7 @@ use serde_json::{Value, json};
 
 use super::episodes::{self, Batch, Episode, Outcome, Tapes};
 use super::seeds;
+use super::task::{self, unit};
 use crate::columns::{Table, terminal_width};
 use crate::output::print;
 use crate::status::{DONE, INCOMPLETE};
@@ -26,6 +27,8 @@ pub struct Arguments {
     goals: Vec<String>,
     #[command(flatten)]
     shared: episodes::Arguments,
+    #[command(flatten)]
+    task: task::Arguments,
     /// Episodes of each goal, with seeds in a row
     #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     repeats: u32,
@@ -34,7 +37,7 @@ pub struct Arguments {
     secret: Option<PathBuf>,
     /// Play the commands of the logs in this folder without sight, each on other seeds than its own: the
     /// floor of a board
-    #[arg(long, value_name = "DIR", conflicts_with_all = ["agent", "policy", "path", "skill", "plan", "planner", "finder", "domain"])]
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["agent", "policy", "path", "skill", "plan", "planner", "finder", "domain", "state", "task"])]
     tape: Option<PathBuf>,
     /// Folder for the results; results that it already has are not run again
     #[arg(short, long, value_name = "DIR", default_value = "results/bench")]
@@ -82,6 +85,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let goals = episodes::find(data, &arguments.goals)?;
     let secret = arguments.secret.as_deref();
     let mut batch = shared.batch(data, &arguments.output, goals, arguments.repeats, "--repeats", secret)?;
+    shared.set_task(&mut batch, &arguments.task)?;
     if let Some(folder) = &arguments.tape {
         batch.tapes = Some(Tapes::find(folder, &batch.goals, &batch.seeds)?);
         batch.name = Some((tape::NAME.to_string(), tape::VERSION.to_string()));
@@ -98,6 +102,11 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
 }
 
 impl Bench<'_> {
+    /// The task of all episodes.
+    fn task(&self) -> Task {
+        self.0.task.map_or(Task::Build, task::Arguments::task)
+    }
+
     /// All requested episodes.
     fn episodes(&self) -> Vec<Episode> {
         let mut episodes = Vec::new();
@@ -124,7 +133,7 @@ impl Bench<'_> {
         let entries: Vec<(usize, Entry)> = episodes
             .iter()
             .map(|episode| {
-                let (pegs, result) = (self.0.goals[episode.goal].pegs, episode.result().cloned());
+                let (pegs, result) = (self.0.goals[episode.goal].count, episode.result().cloned());
                 (episode.goal, Entry { pegs, result })
             })
             .collect();
@@ -203,7 +212,7 @@ impl Bench<'_> {
                     "goal": self.0.goals[it.episode.goal].name,
                     "seed": it.episode.seed,
                     "pegs_counted": it.counted,
-                    "pegs": self.0.goals[it.episode.goal].pegs,
+                    "pegs": self.0.goals[it.episode.goal].count,
                     "lost": !it.finished,
                     "technical": it.technical,
                     "reason": it.reason,
@@ -214,6 +223,7 @@ impl Bench<'_> {
             "arm": self.0.arm,
             "world": self.0.worlds[0].title,
             "start": self.0.start.title,
+            "task": self.task().name(),
             "track": self.0.track,
             "first_seed": self.0.seeds.start(),
             "repeats": self.0.count,
@@ -238,6 +248,9 @@ impl Bench<'_> {
             "arm {}, world {world}, start {start}, track {}, seeds {first} to {last}",
             self.0.arm, self.0.track
         );
+        if self.task() != Task::Build {
+            let _ = write!(text, ", task {}", self.task().name());
+        }
         if let Some(secret) = &self.0.secret {
             let _ = write!(text, " with the secret {}", secret.commitment());
         }
@@ -250,7 +263,7 @@ impl Bench<'_> {
                 "completion",
                 "deviation",
                 "best",
-                "pegs",
+                unit(self.task()),
                 "mean total time",
                 "robot",
                 "bound",
@@ -276,7 +289,7 @@ impl Bench<'_> {
                 text.push_str(heading);
                 heading = "";
                 let pegs = match it.finished {
-                    true => format!("{} of {} pegs", it.counted, goal.pegs),
+                    true => format!("{} of {} {}", it.counted, goal.count, unit(self.task())),
                     false => "lost".to_string(),
                 };
                 let _ = writeln!(text, "  {} seed {}: {pegs}: {}", goal.name, it.episode.seed, it.reason);

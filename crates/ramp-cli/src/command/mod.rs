@@ -39,6 +39,7 @@ pub mod skills;
 pub mod start;
 pub mod station;
 pub mod sweep;
+pub mod task;
 pub mod teleop;
 pub mod trials;
 pub mod twin;

@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use miette::{IntoDiagnostic, Report, miette};
-use ramp_assembly::{Assembly, Task};
 use ramp_data::Data;
 use ramp_episode::{EpisodeError, Label, Progress, Recorded, Tape, check_given, record_episode, tape};
 use ramp_external_agent::AgentFile;
@@ -14,18 +13,18 @@ use ramp_log::Log;
 use ramp_policy_client::PolicyServer;
 use ramp_report::curve::completion_svg;
 use ramp_result::collection::LARGEST;
-use ramp_result::episode::{RobotTime, StartInfo, StateInfo, WorldLabel};
+use ramp_result::episode::{RobotTime, StartInfo, WorldLabel};
 use ramp_result::resume::{Identity, Shared, Wanted};
 use ramp_robot::Agent;
 use ramp_skills::{ReferenceTimes, reference_times_of_goal};
-use ramp_twin::{Fault, ForMujoco, GivenState, Setup, Twin};
-use ramp_world::Start;
+use ramp_twin::{Fault, ForMujoco, Setup, Twin};
 
 use crate::command::agent;
 use crate::command::parts::Parts;
 use crate::command::run_view::{Display, Window, summary};
 use crate::command::station;
-use crate::options::{ArmOption, StartOption, TaskName, TrackName, WorldOption};
+use crate::command::task::{self, count, state_hash, unit};
+use crate::options::{ArmOption, StartOption, TrackName, WorldOption};
 use crate::output::{check_place, make_folder_of, print, write_file};
 use crate::pictures::{self, Pictures};
 use crate::rules::domains;
@@ -48,12 +47,8 @@ pub struct Arguments {
     world: WorldOption,
     #[command(flatten)]
     start: StartOption,
-    /// Begin with the frame in the state of this file (JSON). The agent is not told
-    #[arg(long, value_name = "FILE", conflicts_with = "robot")]
-    state: Option<PathBuf>,
-    /// Task: build the frame, or take it apart
-    #[arg(long, value_enum, default_value_t = TaskName::Build, conflicts_with_all = ["state", "robot"])]
-    task: TaskName,
+    #[command(flatten)]
+    task: task::Arguments,
     /// Seed of all random numbers of the episode
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -110,30 +105,6 @@ impl Arguments {
         self.agent.has_program()
     }
 
-    /// The state in which the frame begins, if not with nothing built.
-    ///
-    /// # Errors
-    /// If the file cannot be read, or the frame cannot begin like that.
-    fn state(&self, assembly: &Assembly, start: &Start) -> Result<Option<GivenState>, Report> {
-        if self.task == TaskName::Build {
-            return Ok(self.state.as_ref().map(|path| GivenState::read(path, assembly)).transpose()?);
-        }
-        if start.scatter.is_some() {
-            return Err(miette!(
-                help = "leave out --start, or name one whose parts lie on the sheet",
-                "a frame cannot be taken apart from the start `{}`: its parts have no places on the sheet",
-                start.name
-            ));
-        }
-        if self.agent.parts.replaces_plans() {
-            return Err(miette!("--plan and --planner build frames: --task take-apart cannot use them"));
-        }
-        if self.agent.policy.is_some() {
-            return Err(miette!("a policy is told to build a frame: --task take-apart cannot use --policy"));
-        }
-        Ok(Some(GivenState::built(assembly)?))
-    }
-
     fn for_station(&self) -> station::Inputs<'_> {
         station::Inputs {
             goal: &self.goal,
@@ -166,7 +137,7 @@ fn in_twin(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let arm = data.arm()?;
     let physics = arguments.world.read(data)?;
     let start = arguments.start.read(data)?;
-    let state = arguments.state(&assembly, &start)?;
+    let state = arguments.task.state(&assembly, &start, &arguments.agent)?;
     let agent_file = arguments.agent.file()?;
     let parts = arguments.agent.parts.read(data, arguments.track.into())?;
     let policy = arguments.agent.policy()?;
@@ -185,7 +156,7 @@ fn in_twin(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         seed: arguments.world_seed.unwrap_or(arguments.seed),
         start: &start,
         state: state.as_ref(),
-        task: arguments.task.into(),
+        task: arguments.task.task(),
         world: &physics,
         fault: arguments.fault,
     };
@@ -202,7 +173,7 @@ fn in_twin(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let mut window = if arguments.view { Some(Window::open(&setup)?) } else { None };
     let mut pictures = Pictures::new(&arguments.pictures, &setup)?;
     make_folder_of(&log)?;
-    let display = Display::new(count(&setup), unit(setup.task));
+    let display = Display::new(count(&assembly, setup.task), unit(setup.task));
     let complete = Cell::new(false);
     let inputs = agent::AgentSetup {
         setup: setup.clone(),
@@ -259,19 +230,6 @@ fn in_twin(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     }
 }
 
-/// The unit of a task, for a person.
-fn unit(task: Task) -> &'static str {
-    if task == Task::Build { "pegs" } else { "parts back" }
-}
-
-/// The number of pegs, or of parts that are to be put back.
-fn count(setup: &Setup) -> usize {
-    match setup.task {
-        Task::Build => setup.assembly.connections.len(),
-        Task::TakeApart => setup.assembly.movable_parts().len(),
-    }
-}
-
 /// Writes the scene with the positions at the start and at the end.
 fn write_scene(path: &Path, setup: &Setup, end: &[f64]) -> Result<(), Report> {
     let start = Twin::new(setup).into_diagnostic()?;
@@ -310,11 +268,12 @@ fn refuse_other(
     let name = name.as_ref().map(|(name, version)| (name.as_str(), version.as_str()));
     let agent = Identity { name, sha256: sha256.as_deref(), asynchronous: arguments.agent.asynchronous };
     let (world, start) = (WorldLabel::of(setup.world).sha256, StartInfo::of(setup.start).sha256);
+    let state = setup.state.map(state_hash);
     let shared = Shared {
         arm: &setup.arm.name,
         worlds: vec![&world],
         start: &start,
-        state: setup.state.map(|state| StateInfo::of(&state.text).sha256),
+        states: vec![state.as_deref()],
         secret: arguments.secret.clone(),
         software: &software,
         agent,
@@ -322,7 +281,8 @@ fn refuse_other(
     let wanted = Wanted {
         goal: &setup.assembly.name,
         task: setup.task.told(),
-        count: count(setup),
+        state: state.as_deref(),
+        count: count(setup.assembly, setup.task),
         track: setup.track.name(),
         world: &world,
         seed: arguments.seed,

@@ -9,7 +9,7 @@ use crate::pictures;
 #[derive(clap::Args)]
 pub struct Arguments {
     /// Drive the arm of this station file, and not the twin in this program
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["arm", "tape", "fault", "scene", "secret"])]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["arm", "tape", "fault", "scene", "secret", "state", "task"])]
     pub robot: Option<PathBuf>,
     /// With --robot: let the twin do it, with that arm and its walls, for --view or --video; nothing is
     /// connected, and no result is written

@@ -182,7 +182,7 @@ fn sum_up(
         let those: Vec<_> = episodes
             .iter()
             .filter(|episode| episode.world == world)
-            .map(|episode| (batch.goals[episode.goal].pegs, episode.result()))
+            .map(|episode| (batch.goals[episode.goal].count, episode.result()))
             .collect();
         Point::of(value, &those)
     };

@@ -231,3 +231,46 @@ fn bad_input_is_refused_and_nothing_written() {
     }
     assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 0);
 }
+
+/// A frame is taken apart several times, and the bench counts the parts that are back. The same command runs
+/// nothing again, and a bench that builds refuses the folder.
+#[test]
+fn a_bench_takes_a_frame_apart() {
+    let folder = TempDir::new().unwrap();
+    let apart = ["bench", "easy-1", "--task", "take-apart", "--track", "state", "--repeats", "1"];
+    let json = [&apart[..], &["--json"]].concat();
+    let output = ramp(&folder, &json);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    assert!(text(&output.stderr).contains("6 of 6 parts back"), "{}", text(&output.stderr));
+    let sums: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!((&sums["task"], &sums["goals"][0]["sum"]["pegs_counted"]), (&"take-apart".into(), &6.into()));
+    let output = ramp(&folder, &apart);
+    assert!(text(&output.stdout).contains("parts back"), "{}", text(&output.stdout));
+    assert!(!text(&output.stderr).contains("1/1"), "{}", text(&output.stderr));
+    let output = ramp(&folder, &["bench", "easy-1", "--track", "state", "--repeats", "1"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(words(&output.stderr).contains("began in another state, or in none"), "{}", text(&output.stderr));
+}
+
+/// A bench from a state of the frame: the episodes begin with it, and it is one of a single goal.
+#[test]
+fn a_bench_begins_with_a_given_frame() {
+    let folder = TempDir::new().unwrap();
+    std::fs::write(
+        folder.path().join("state.json"),
+        r#"{"in_assembly": ["b4"], "fastened": [["C1", "p1"]]}"#,
+    )
+    .unwrap();
+    let output = ramp(
+        &folder,
+        &["bench", "easy-1", "--state", "state.json", "--track", "state", "--repeats", "1", "-o", "given"],
+    );
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let result = std::fs::read(folder.path().join("given/easy-1-state-1.json")).unwrap();
+    let result: Value = serde_json::from_slice(&result).unwrap();
+    assert!(result["state"]["sha256"].is_string(), "{result}");
+    let output = ramp(&folder, &["bench", "easy", "--state", "state.json", "-o", "many"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(words(&output.stderr).contains("a state is one of a single goal"), "{}", text(&output.stderr));
+    assert!(!folder.path().join("many").exists());
+}

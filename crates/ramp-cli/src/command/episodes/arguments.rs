@@ -10,6 +10,7 @@ use ramp_robot::Track;
 use super::batch::{Batch, BatchPolicy, BatchStart, BatchWorld};
 use super::goals::{BatchError, BatchGoal};
 use crate::command::agent;
+use crate::command::task::{self, count, state_hash};
 use crate::engine::Backend;
 use crate::options::{ArmOption, StartOption, TrackName, WorldOption};
 use crate::software::software;
@@ -50,6 +51,25 @@ impl Arguments {
     /// Returns true if an external agent program runs.
     pub fn has_agent(&self) -> bool {
         self.agent.has_program()
+    }
+
+    /// Gives the episodes of a batch their task, and the states in which their frames begin.
+    ///
+    /// # Errors
+    /// If a frame cannot begin like that, or this agent has no such task.
+    pub fn set_task<'a>(&self, batch: &mut Batch<'a>, task: &'a task::Arguments) -> Result<(), Report> {
+        if task.has_state() && batch.goals.len() != 1 {
+            return Err(BatchError::StateOfMany { count: batch.goals.len() }.into());
+        }
+        let start = self.start.read(batch.data)?;
+        for goal in &mut batch.goals {
+            let assembly = batch.data.goal(&goal.argument)?;
+            let state = task.state(&assembly, &start, &self.agent)?;
+            goal.state = state.as_ref().map(state_hash);
+            goal.count = count(&assembly, task.task());
+        }
+        batch.task = Some(task);
+        Ok(())
     }
 
     /// The batch of `count` episodes of each of these goals, with its results folder. `option` is the option
@@ -111,6 +131,7 @@ impl Arguments {
             tapes: None,
             backend: self.backend.clone(),
             parts: &self.agent.parts,
+            task: None,
             has_program: self.has_agent(),
             parameters_hash: parts.parameters.sha256.clone(),
             goals,

@@ -27,7 +27,7 @@ use super::episode::{Episode, Outcome};
 use super::goals::{BatchError, BatchGoal};
 use super::remote::{RESULT, Remote};
 use super::tapes::Tapes;
-use crate::command::parts;
+use crate::command::{parts, task};
 use crate::ending::{defer_requests, end_of, requested};
 use crate::engine::{Backend, Engine};
 use crate::lock::{FolderLock, LockError};
@@ -142,6 +142,8 @@ pub struct Batch<'a> {
     pub tapes: Option<Tapes>,
     /// Options that replace parts of the baseline.
     pub parts: &'a parts::Arguments,
+    /// Options of the task, if it may be another one than to build all.
+    pub task: Option<&'a task::Arguments>,
     /// The engine that runs the episodes, if they do not run in processes of this one.
     pub backend: Option<Backend>,
     /// True if an external program runs: an agent, or a skill of the baseline.
@@ -217,7 +219,7 @@ impl Batch<'_> {
             arm: self.arm,
             worlds: self.worlds.iter().map(|world| world.hash.as_str()).collect(),
             start: &self.start.hash,
-            state: None,
+            states: self.goals.iter().map(|goal| goal.state.as_deref()).collect(),
             secret: self.commitment(),
             software: &self.software,
             agent: Identity {
@@ -247,8 +249,9 @@ impl Batch<'_> {
         let goal = &self.goals[episode.goal];
         let wanted = Wanted {
             goal: &goal.name,
-            task: None,
-            count: goal.pegs,
+            task: self.task.and_then(|task| task.task().told()),
+            state: goal.state.as_deref(),
+            count: goal.count,
             track: self.track,
             world: &self.worlds[episode.world].hash,
             seed: episode.seed,
@@ -388,6 +391,7 @@ impl Batch<'_> {
         }
         words.extend(["--seed".into(), episode.seed.to_string().into()]);
         words.extend(["--repeat".into(), episode.repeat.to_string().into()]);
+        words.extend(self.task.iter().flat_map(|task| task.words(place)));
         words.extend(episode.fault.iter().flat_map(|fault| ["--fault".into(), fault.to_string().into()]));
         if let Some(secret) = &self.secret {
             let seed = secret.seed(&self.goals[episode.goal].name, self.track, episode.seed);

@@ -69,7 +69,8 @@ impl Display {
         self.past.set((ended + 1, before + took));
         let what = match &episode.outcome {
             Outcome::Finished(result) => {
-                format!("{} of {} pegs in {:.1} s", result.counted(), result.pegs.len(), result.time.total)
+                let (counted, wanted, unit) = (result.counted(), result.wanted(), result.unit());
+                format!("{counted} of {wanted} {unit} in {:.1} s", result.time.total)
             }
             Outcome::Lost(reason) => format!("lost: {reason}"),
             Outcome::Open => "open".to_string(),

@@ -32,6 +32,9 @@ pub enum BatchError {
     EmptyClass { class: String, place: String },
     #[error("there is no goal file in {folder}")]
     NoGoals { folder: String },
+    #[error("a state is one of a single goal, and there are {count}")]
+    #[diagnostic(help("name one goal with --state"))]
+    StateOfMany { count: usize },
     #[error("the seeds go past the largest number there is")]
     #[diagnostic(help("take a smaller --first-seed or fewer {repeats}"))]
     Seeds { repeats: &'static str },
@@ -57,8 +60,8 @@ pub enum BatchError {
     #[error("{file} is of the start {theirs}, and not of this one")]
     #[diagnostic(help("a folder is of one start: name another folder with -o, or give the same --start"))]
     OtherStart { file: String, theirs: String },
-    #[error("{file} is of an episode that began in a state of its own")]
-    #[diagnostic(help("name another folder with -o, or move the file away"))]
+    #[error("{file} is of an episode that began in another state, or in none")]
+    #[diagnostic(help("a folder is of one task: name another folder with -o, or move the file away"))]
     OtherState { file: String },
     #[error("another bench is at work in {folder}{who}")]
     #[diagnostic(help("wait for it, or name another folder with -o"))]
@@ -89,7 +92,10 @@ pub struct BatchGoal {
     /// True if that is a file.
     pub is_file: bool,
     pub class: Option<Class>,
-    pub pegs: usize,
+    /// Pegs, or parts that are to be put back.
+    pub count: usize,
+    /// The hash of the state in which the frame begins, if not with nothing built.
+    pub state: Option<String>,
 }
 
 /// Whether a word names a folder: it has a `/` in it, so that no class is taken for one.
@@ -151,7 +157,8 @@ pub fn find(data: &Data, words: &[String]) -> Result<Vec<BatchGoal>, Report> {
                     argument,
                     is_file,
                     class: assembly.class,
-                    pegs: assembly.connections.len(),
+                    count: assembly.connections.len(),
+                    state: None,
                 }),
                 Some(known) if known.argument == argument => {}
                 Some(known) => {
