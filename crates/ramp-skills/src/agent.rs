@@ -337,6 +337,7 @@ impl<'a> Baseline<'a> {
             self.learn_paths(cell, &plan);
             self.history.follows(&plan);
             match self.run_plan(cell, &plan) {
+                Ok(()) if self.history.resumes() => {}
                 Ok(()) => return Ok(Vec::new()),
                 Err(SkillError::Robot(error)) => return Err(error),
                 Err(error) => {
@@ -412,6 +413,21 @@ impl<'a> Baseline<'a> {
     pub(crate) fn state(&self, cell: &Workcell, lost: &[String]) -> Result<State, SkillError> {
         let name = |beam: usize| self.assembly.beams[beam].beam.name.clone();
         let base = self.assembly.base;
+        let mut fastened = cell.belief.fastened();
+        // A plan takes what is left for later for done: with a peg that is lost, or else with the last one.
+        let standing = |beam: usize| beam == base || cell.belief.standing.contains(&beam);
+        for connection in self.history.later() {
+            let sides = self.assembly.connection_index(connection).map(|it| &self.assembly.connections[it]);
+            let stands = sides.is_some_and(|it| standing(it.female.beam) && standing(it.male.beam));
+            if !stands || fastened.iter().any(|(done, _)| done == connection) {
+                continue;
+            }
+            let is_free = |peg: &&String| fastened.iter().all(|(_, other)| other != *peg);
+            let kept = self.assembly.kit.pegs.iter().rev().map(|peg| &peg.name);
+            if let Some(peg) = lost.iter().chain(kept).find(is_free).cloned() {
+                fastened.push((connection.clone(), peg));
+            }
+        }
         Ok(State {
             in_assembly: cell
                 .belief
@@ -420,7 +436,7 @@ impl<'a> Baseline<'a> {
                 .filter(|beam| **beam != base)
                 .map(|beam| name(*beam))
                 .collect(),
-            fastened: cell.belief.fastened(),
+            fastened,
             misaligned: cell.belief.swung()?.into_iter().map(name).collect(),
             lost_pegs: lost.to_vec(),
             deep: cell.belief.deep.iter().map(|beam| name(*beam)).collect(),

@@ -16,6 +16,9 @@ pub const PEG_HEIGHT: f64 = 20.0e-3;
 pub const BEAM_WIDTH: f64 = 22.0e-3;
 /// Distance between the fingers when their ribs stand on the sides of an extrusion, beside its slots, m.
 pub const RIBS_BESIDE: f64 = 30.0e-3;
+/// Distance between the fingers when the blocks over their ribs stand on the sides of an extrusion, m: the
+/// hand is too low.
+pub const BLOCKS_BESIDE: f64 = 40.0e-3;
 /// Distance between the fingers when they hold a peg's head, m.
 pub const PEG_WIDTH: f64 = 49.0e-3;
 

@@ -1,9 +1,9 @@
 //! The history of an episode: what was tried, with what and how it failed, and what is left to be tried.
 //!
 //! A plan that fails is followed by one that differs from it in a named way: after another look, with another
-//! grasp, by another link, along another path, with another peg. What was tried counts as long as the
-//! assembly is as it was: after progress it is worth another try. When nothing is left, the history tells
-//! what was tried.
+//! grasp, by another link, along another path, with another peg, or after the rest of the frame. What was
+//! tried counts as long as the assembly is as it was: after progress it is worth another try. When nothing is
+//! left, the history tells what was tried.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -114,6 +114,8 @@ pub enum Change {
         /// The peg that failed.
         not: String,
     },
+    /// The rest of the frame comes first.
+    Later,
 }
 
 impl Change {
@@ -121,7 +123,7 @@ impl Change {
     /// better than two.
     fn most(&self) -> usize {
         match self {
-            Change::Look | Change::AsItIs | Change::Pause => 1,
+            Change::Look | Change::AsItIs | Change::Pause | Change::Later => 1,
             Change::Grasp { .. } | Change::Peg { .. } => 2,
             Change::Link { .. } | Change::Path { .. } => usize::MAX,
         }
@@ -146,6 +148,7 @@ impl fmt::Display for Change {
             Change::AsItIs => f.write_str("left as it is"),
             Change::Pause => f.write_str("after a pause"),
             Change::Peg { not } => write!(f, "with another peg than {not}"),
+            Change::Later => f.write_str("after the rest"),
         }
     }
 }
@@ -199,6 +202,8 @@ pub struct History {
     grasps: BTreeMap<String, Vec<BeamGrasp>>,
     /// Pegs that are set aside.
     aside: Vec<String>,
+    /// Connections that are left for later.
+    later: Vec<String>,
     /// Beams that are not pushed, with the progress at which a push failed.
     skipped: Vec<(String, usize)>,
     /// The paths of beams in the plan, by name.
@@ -253,6 +258,16 @@ impl History {
         &self.aside
     }
 
+    /// The connections that are left for later: plans take them for fastened.
+    pub fn later(&self) -> &[String] {
+        &self.later
+    }
+
+    /// The rest is done. Returns whether connections were left for later: now is the time for them.
+    pub fn resumes(&mut self) -> bool {
+        !std::mem::take(&mut self.later).is_empty()
+    }
+
     /// Records a failure. `progress` counts the beams that stand and the pegs that are seated.
     pub fn failed(&mut self, work: &Work, how: &str, progress: usize) {
         let stood = self.tried.last().is_some_and(|tried| tried.progress == progress);
@@ -284,6 +299,7 @@ impl History {
             Change::Link { .. } | Change::Path { .. } => drop(self.facts.pop()),
             Change::Peg { not } => self.aside.retain(|peg| peg != not),
             Change::AsItIs => drop(self.skipped.pop()),
+            Change::Later => drop(self.later.pop()),
             Change::Look | Change::Pause | Change::Grasp { .. } => {}
         }
         let progress = self.tried.last().map_or(0, |tried| tried.progress);
@@ -340,6 +356,9 @@ impl History {
             options.push(Change::Peg { not: peg });
         }
         options.push(Change::Pause);
+        if work.is_of_connection() {
+            options.push(Change::Later);
+        }
         options
     }
 
@@ -351,6 +370,7 @@ impl History {
         match change {
             Change::Look | Change::Pause => {}
             Change::AsItIs => self.skipped.push((beam, last.progress)),
+            Change::Later => self.later.push(last.work.about.clone()),
             Change::Grasp { not } => self.grasps.entry(beam).or_default().push(*not),
             Change::Link { not } => {
                 let cannot = Impossible::Grasp { beam, link: not.clone(), at };
@@ -369,6 +389,11 @@ impl Work {
     /// Whether it is the same work on the same thing, whatever part it is done with.
     fn same(&self, other: &Work) -> bool {
         self.kind == other.kind && (self.about == other.about || self.is_peg() && other.is_peg())
+    }
+
+    /// Whether it is about a connection: without its peg, the rest of a frame can be built.
+    fn is_of_connection(&self) -> bool {
+        matches!(self.kind, None | Some(ActionKind::Fasten))
     }
 
     /// Whether it fetches a peg: which one makes no other work of it.
@@ -460,6 +485,37 @@ mod tests {
         assert_eq!(change("p1").as_deref(), Some("with another peg than p1"));
         assert_eq!(change("p2").as_deref(), Some("after a pause"));
         assert_eq!(change("p2"), None);
+    }
+
+    /// A connection that fails in every way is left for later, and the rest of the frame comes first. When
+    /// that is done it is worth another try; a frame in which nothing else could be done is given up.
+    #[test]
+    fn a_connection_is_left_for_later() {
+        let fasten = Work {
+            kind: Some(ActionKind::Fasten),
+            about: "C2".into(),
+            beam: None,
+            link: None,
+            peg: Some("p2".into()),
+        };
+        let mut history = History::default();
+        let mut words = Vec::new();
+        for progress in [3, 3, 3, 6] {
+            history.failed(&fasten, "p2 is not flush", progress);
+            words.push(history.change(&Choice::default()).map(|(_, change)| change.to_string()));
+        }
+        assert_eq!(words[2].as_deref(), Some("after the rest"));
+        assert_eq!(words[3].as_deref(), Some("after another look"));
+        assert_eq!(history.later(), ["C2"]);
+        assert!(history.resumes() && !history.resumes());
+        for _ in 0..3 {
+            history.failed(&fasten, "p2 is not flush", 6);
+            history.change(&Choice::default());
+        }
+        assert!(history.resumes());
+        history.failed(&fasten, "p2 is not flush", 6);
+        assert_eq!(history.change(&Choice::default()), None);
+        assert!(history.account().ends_with("after the rest: p2 is not flush"), "{}", history.account());
     }
 
     /// A difference with which there is no plan counts as tried, and the planner does not keep it.

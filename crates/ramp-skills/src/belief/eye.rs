@@ -15,6 +15,9 @@ pub struct Sighting {
     pub part: String,
     /// Its pose in the world.
     pub estimate: Estimate,
+    /// The camera that saw it, if that has not yet seen anything with a known pose: all its sightings share
+    /// the error of its nominal place.
+    pub nominal: Option<Camera>,
     /// The pose of the tip in the world when it was seen.
     pub x_wt: Pose,
 }
@@ -81,7 +84,8 @@ impl Eye {
         jacobian.fixed_view_mut::<3, 3>(0, 3).copy_from(&(-axes.matrix() * p_cp.coords.cross_matrix()));
         jacobian.fixed_view_mut::<3, 3>(3, 3).copy_from(axes.matrix());
         let covariance = seen.covariance + jacobian * self.covariance * jacobian.transpose();
-        Sighting { part, estimate: Estimate { x: seen.x, covariance }, x_wt }
+        let nominal = (self.points() == 0).then_some(self.camera);
+        Sighting { part, estimate: Estimate { x: seen.x, covariance }, nominal, x_wt }
     }
 }
 

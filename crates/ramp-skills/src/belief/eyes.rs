@@ -186,7 +186,7 @@ impl Eyes {
             let [position, angle] = reading.sigma.map(|sigma| sigma.max(EXACT));
             let covariance = covariance([position; 3], [angle; 3]);
             let estimate = Estimate { x: reading.x_wp, covariance };
-            Sighting { part: reading.part, estimate, x_wt: hand.seen.x_wt }
+            Sighting { part: reading.part, estimate, nominal: None, x_wt: hand.seen.x_wt }
         };
         Ok(Some(readings.into_iter().map(sighting).collect()))
     }

@@ -9,6 +9,7 @@ pub mod own_finder;
 pub mod part;
 pub mod parts;
 mod places;
+mod poses;
 pub mod surroundings;
 
 pub use own_finder::OwnFinder;

@@ -8,10 +8,10 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use nalgebra::{Point3, Vector3, Vector6};
-use ramp_assembly::{Assembly, Connection, JointRef};
+use ramp_assembly::Assembly;
 use ramp_kit::{Holder, Kit};
-use ramp_robot::RobotError;
 use ramp_robot::arm::ArmModel;
+use ramp_robot::{Camera, RobotError};
 use ramp_vision::Lying;
 use ramp_world::Start;
 
@@ -22,7 +22,7 @@ use super::outlines;
 use super::part::{Frame, Part};
 use super::surroundings::{Expected, Surroundings};
 use crate::Pose;
-use crate::fault::{Fault, SkillError};
+
 use crate::hand::Hand;
 use crate::parameters::Parameters;
 use crate::parameters::belief::BeliefParameters;
@@ -37,8 +37,10 @@ pub struct Belief {
     time: f64,
     /// Robot time after the last look, s.
     looked: Option<f64>,
-    x_wt: Pose,
+    pub(super) x_wt: Pose,
     astray: Vec<(String, f64)>,
+    /// The camera on the hand, at its nominal place, does not see the parts where they are.
+    misplaced_camera: bool,
     /// Parts lie anywhere on the table at the start.
     pub(super) anywhere: bool,
 }
@@ -100,6 +102,7 @@ impl Belief {
             looked: None,
             x_wt: Pose::identity(),
             astray: Vec::new(),
+            misplaced_camera: false,
             anywhere,
         }
     }
@@ -211,7 +214,11 @@ impl Belief {
         if !part.seen {
             part.suppose_outline(&seen);
         }
-        if part.estimate.surprise(&seen) < self.parameters.gate {
+        let surprise = part.estimate.surprise(&seen);
+        if sighting.nominal == Some(Camera::Wrist) && part.seen {
+            self.misplaced_camera |= surprise > self.parameters.misplaced;
+        }
+        if surprise < self.parameters.gate {
             part.watch(&seen, &self.parameters);
             part.estimate.fuse(&seen);
             part.odd = None;
@@ -241,6 +248,11 @@ impl Belief {
                 true
             }
         }
+    }
+
+    /// Whether the camera on the hand turned out not to be at its nominal place since this was last asked.
+    pub fn camera_misplaced(&mut self) -> bool {
+        std::mem::take(&mut self.misplaced_camera)
     }
 
     /// The parts that were found far from where they were believed since this was last asked, and how far, m.
@@ -344,57 +356,6 @@ impl Belief {
             part.estimate.spread([position, position, height], [tilt, tilt, rotation]);
         }
     }
-
-    /// Where a part is.
-    ///
-    /// # Errors
-    /// [`Fault::Unseen`].
-    pub fn pose(&self, part: &str) -> Result<Pose, SkillError> {
-        self.find(part).ok_or_else(|| Fault::Unseen { part: part.to_string() }.into())
-    }
-
-    pub(super) fn find(&self, part: &str) -> Option<Pose> {
-        let part = self.parts.get(part).filter(|part| part.seen)?;
-        Some(match part.frame {
-            Frame::Tip => self.x_wt * part.estimate.x,
-            Frame::World | Frame::Clamped => part.estimate.x,
-        })
-    }
-
-    /// Uncertainty of a point of a part (m, in the part's frame): the standard deviation in the direction of
-    /// the table in which it is largest, and that of its height, m. Infinite for a part that was never
-    /// detected.
-    pub fn deviation(&self, part: &str, p: &Point3<f64>) -> [f64; 2] {
-        let Some(part) = self.parts.get(part).filter(|part| part.seen && part.odd.is_none()) else {
-            return [f64::INFINITY; 2];
-        };
-        let covariance = match part.frame {
-            Frame::Tip => part.estimate.seen_from(&self.x_wt).point_covariance(p),
-            Frame::World | Frame::Clamped => part.estimate.point_covariance(p),
-        };
-        let [xx, yy, xy] = [covariance[(0, 0)], covariance[(1, 1)], covariance[(0, 1)]];
-        let largest = (xx + yy) / 2.0 + ((xx - yy) / 2.0).hypot(xy);
-        [largest, covariance[(2, 2)]].map(|variance| variance.max(0.0).sqrt())
-    }
-
-    /// The hole of a joint: its point on the beam's axis, in the world.
-    ///
-    /// # Errors
-    /// [`Fault::Unseen`].
-    pub fn hole(&self, assembly: &Assembly, joint: JointRef) -> Result<Point3<f64>, SkillError> {
-        let beam = &assembly.beams[joint.beam].beam;
-        Ok(self.pose(&beam.name)? * beam.p_b_hole(joint.joint))
-    }
-
-    /// Horizontal distance between the two holes of a connection, m.
-    ///
-    /// # Errors
-    /// [`Fault::Unseen`].
-    pub fn offset(&self, assembly: &Assembly, connection: &Connection) -> Result<f64, SkillError> {
-        let female = self.hole(assembly, connection.female)?;
-        let male = self.hole(assembly, connection.male)?;
-        Ok((female.xy() - male.xy()).norm())
-    }
 }
 
 #[cfg(test)]
@@ -426,7 +387,7 @@ mod tests {
         let turn = UnitQuaternion::from_scaled_axis(Vector3::from_fn(|_, _| stream.normal(DEGREE)));
         let x = Pose::from_parts(Translation3::from(x_wp.translation.vector + shift), turn * x_wp.rotation);
         let estimate = Estimate { x, covariance: covariance([1.0 * MM; 3], [DEGREE; 3]) };
-        Sighting { part: part.to_string(), estimate, x_wt: Pose::identity() }
+        Sighting { part: part.to_string(), estimate, nominal: None, x_wt: Pose::identity() }
     }
 
     fn off(belief: &Belief, part: &str, x_wp: &Pose) -> f64 {
@@ -470,6 +431,36 @@ mod tests {
         assert_eq!(belief.astray().len(), 1);
     }
 
+    /// The camera on the hand is 2.5 mm and 0.6° from its nominal place. Its first sighting of a part that
+    /// the camera over the table has seen shows that; one with the error that a mounting usually has does
+    /// not, and a part that was never seen may lie anywhere.
+    #[test]
+    fn a_camera_far_from_its_nominal_place_is_noticed() {
+        let noticed = |seen_before: bool, factor: f64| {
+            let mut belief = belief();
+            let there = belief.parts["b4"].estimate.x;
+            let exact = |camera, x, covariance| Sighting {
+                part: "b4".to_string(),
+                estimate: Estimate { x, covariance },
+                nominal: Some(camera),
+                x_wt: Pose::identity(),
+            };
+            if seen_before {
+                belief.take(&exact(Camera::BirdsEye, there, covariance([0.1 * MM; 3], [0.05 * DEGREE; 3])));
+            }
+            let shift = Translation3::new(0.6 * MM * factor, 0.5 * MM * factor, 0.6 * MM * factor);
+            let turn = UnitQuaternion::from_euler_angles(0.0, 0.0, 0.15 * DEGREE * factor);
+            let x = Pose::from_parts(shift * there.translation, turn * there.rotation);
+            belief.take(&exact(Camera::Wrist, x, covariance([0.6 * MM; 3], [0.25 * DEGREE; 3])));
+            let noticed = belief.camera_misplaced();
+            assert!(!belief.camera_misplaced());
+            noticed
+        };
+        assert!(noticed(true, 4.0));
+        assert!(!noticed(true, 1.0));
+        assert!(!noticed(false, 4.0));
+    }
+
     /// The clamped beam cannot be far from its place, however often it is seen there; but its table may be
     /// high.
     #[test]
@@ -479,6 +470,7 @@ mod tests {
         let exact = |x: Pose| Sighting {
             part: "b7".to_string(),
             estimate: Estimate { x, covariance: covariance([1e-9; 3], [1e-9; 3]) },
+            nominal: None,
             x_wt: Pose::identity(),
         };
         for _ in 0..3 {

@@ -47,6 +47,9 @@ parameters! {
         /// A reading with a larger normalised innovation squared is rejected until the next one confirms it.
         /// With six degrees of freedom, noise alone exceeds it once in two million.
         gate: f64 = "", 1.0, 1000.0;
+        /// A sighting by a camera at its nominal place with a larger normalised innovation squared shows that
+        /// the camera is elsewhere. With six degrees of freedom, noise alone exceeds it once in twenty.
+        misplaced: f64 = "", 1.0, 1000.0;
         /// Share of a new reading in the running mean of innovations that detects small motions of a part.
         drift: f64 = "", 0.001, 1.0;
         /// Number of consecutive images with a different pose of a part after which the new pose is accepted.

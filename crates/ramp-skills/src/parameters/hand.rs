@@ -67,6 +67,15 @@ parameters! {
         /// Time after the start of a motion in which its force counts as that of free motion: joint friction
         /// steps up then.
         begin: f64 = "s", 0.0, 1.0;
+        /// Share of the setpoint's speed at which the tip follows it, and a motion has begun. Chosen.
+        follows: f64 = "", 0.0, 1.0;
+        /// Time constant of the smoothing of both speeds. Chosen: the encoders' noise.
+        smooth: f64 = "s", 0.001, 1.0;
+        /// Largest rise of the force while a motion begins, as a multiple of the usual error of the force in
+        /// free space: friction of the joints made it 2.5 times that at most. More is an obstacle.
+        friction: f64 = "", 0.0, 100.0;
+        /// The same at the least.
+        least: f64 = "N", 0.0, 100.0;
         /// Time constant of the running mean: contact with an edge is faster, friction changes more slowly.
         mean: f64 = "s", 0.01, 10.0;
     }
@@ -125,6 +134,9 @@ parameters! {
         /// Increase in width from which stopped fingers count as opened. Fingers that sprang back to their
         /// opening for a peg do not count as opened.
         opened: f64 = "m", 0.0, 0.02;
+        /// Distance by which fingers open that have closed on something wider than they open for the part:
+        /// a joint. Chosen.
+        off: f64 = "m", 0.0, 0.02;
         /// Angle to the table beyond which a beam in the hand is tilted.
         tilted: f64 = "rad", 1e-3, 1.5;
     }

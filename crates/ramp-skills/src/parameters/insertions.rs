@@ -54,6 +54,9 @@ parameters! {
         /// The same through a loosely held sleeve, as a rise of the force over its running mean: a beam on
         /// the table turns at 0.7 N at its end.
         loose_limit: f64 = "N", 0.05, 100.0;
+        /// That limit at the least, as a share of the usual error of the force in free space: with much
+        /// friction in its joints, an arm in motion feels that much without a touch.
+        loose_usual: f64 = "", 0.0, 10.0;
         /// Number of further pushes for a beam that stops in such a sleeve. Chosen.
         loose_pushes: usize = "", 0.0, 100.0;
         /// A push that gains less has met an edge.

@@ -7,7 +7,8 @@ use crate::Pose;
 use crate::cell::Workcell;
 use crate::fault::{Fault, SkillError};
 use crate::grasp::{
-    self, BEAM_WIDTH, BeamGrasp, Grasp, PEG_WIDTH, RIBS_BESIDE, beam_grasp, beam_grasps, peg_grasps, senses,
+    self, BEAM_WIDTH, BLOCKS_BESIDE, BeamGrasp, Grasp, PEG_WIDTH, RIBS_BESIDE, beam_grasp, beam_grasps,
+    peg_grasps, senses,
 };
 use crate::hand::Held;
 use crate::parameters::Parameters;
@@ -94,27 +95,27 @@ impl Workcell<'_, '_> {
             if short < self.parameters.grip.short {
                 break;
             }
-            // Fingers that close on the same again: their ribs stand beside the slots.
-            let beside = (self.hand.seen.width - RIBS_BESIDE).abs() < self.parameters.feel.beside;
+            // Fingers that close on the same again: they are too high or too low for the slots.
+            let beside = [RIBS_BESIDE, BLOCKS_BESIDE]
+                .iter()
+                .any(|width| (self.hand.seen.width - width).abs() < self.parameters.feel.beside);
             if attempt > 0 && is_beam && beside && self.find_slots(open)? {
                 searched = true;
                 continue;
             }
-            let wider = self.hand.seen.width > RIBS_BESIDE + self.parameters.grip.width_tolerance;
+            let wider = self.hand.seen.width > RIBS_BESIDE + self.parameters.grip.width_tolerance
+                && (attempt > 0 || !beside);
             if let Some(nearer) = self.nearer_to_the_middle(part, grasp).filter(|_| wider) {
                 let because = format!("the fingers stop {:.1} mm before {part}, on a joint", short * 1e3);
                 self.record(Retry::new("grasp", part).because(because));
-                self.hand.grip(open, self.parameters.grip.opening_force)?;
+                self.let_go_wide(open)?;
                 self.retreat()?;
                 return self.grasp(part, &nearer);
             }
             let evidence = format!("the fingers stop {:.1} mm before {part}", short * 1e3);
             self.diagnose(Cause::GripWeak, part, evidence);
             if attempt + 1 < self.parameters.grip.closings {
-                self.hand.grip(
-                    open.max(self.hand.seen.width + self.parameters.grip.opened),
-                    self.parameters.grip.opening_force,
-                )?;
+                self.let_go_wide(open)?;
             }
         }
         if (self.hand.seen.width - width).abs() > self.parameters.grip.width_tolerance {
@@ -167,12 +168,19 @@ impl Workcell<'_, '_> {
         (off.abs() > 0.1 * step).then_some(nearer)
     }
 
+    /// Opens the fingers to `open`, m, and off whatever they have closed on: a joint is wider than the
+    /// fingers open for a beam.
+    fn let_go_wide(&mut self, open: f64) -> Result<(), SkillError> {
+        let off = self.hand.seen.width + self.parameters.grip.off;
+        self.hand.grip(open.max(off), self.parameters.grip.opening_force)
+    }
+
     /// Fingers that have closed beside the slots of a beam, because the arm is higher or lower than it knows,
-    /// come down along its sides from above, loosely closed, until their ribs fall into the slots. Returns
-    /// true if they did.
+    /// with their ribs or the blocks over them, come down along its sides from above, loosely closed, until
+    /// their ribs fall into the slots. Returns true if they did.
     fn find_slots(&mut self, open: f64) -> Result<bool, SkillError> {
         let feel = self.parameters.feel.clone();
-        self.hand.grip(open, self.parameters.grip.opening_force)?;
+        self.let_go_wide(open)?;
         let mut up = self.hand.setpoint;
         up.translation.z += feel.raise;
         self.hand.go(&up, feel.speed)?;

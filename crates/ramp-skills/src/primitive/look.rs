@@ -24,17 +24,23 @@ impl Workcell<'_, '_> {
         self.see_until(points, [within, f64::INFINITY])
     }
 
-    /// As [`Workcell::see`], for a part that is to be gripped. The fingers centre it, so that half a
+    /// As [`Workcell::see`], for a part that is to be gripped. If the camera on the hand turns out not to be
+    /// at its nominal place, it is calibrated. The fingers centre it, so that half a
     /// millimetre is well enough along the table; but their ribs have only 1 mm of room above and below in a
     /// beam's slots.
     ///
     /// # Errors
     /// The robot's.
     pub fn see_to_grip(&mut self, part: &str) -> Result<(), SkillError> {
-        self.see_until(
-            &[self.belief.middle(part)],
-            [self.parameters.look.graspable, self.parameters.look.graspable_height],
-        )
+        let within = [self.parameters.look.graspable, self.parameters.look.graspable_height];
+        let middle = [self.belief.middle(part)];
+        self.see_until(&middle, within)?;
+        // Such a camera would be as far off with each image of a part in the hand.
+        if self.belief.parts.camera_misplaced() && self.hand.held.is_none() {
+            self.calibrate()?;
+            self.see_until(&middle, within)?;
+        }
+        Ok(())
     }
 
     /// As [`Workcell::see`], for the heights of the points.

@@ -79,7 +79,7 @@ impl Assemble {
         let height = if stands { self.parameters.height } else { 0.0 };
         let mut aim = self.insertion.begin(cell, beam, height, attempt)?;
         let loose = !aim.loose.is_empty();
-        let limit = if loose { self.parameters.loose_limit } else { self.parameters.limit };
+        let limit = self.limit(cell, loose);
         cell.glance()?;
         let raised = Translation3::new(0.0, 0.0, height) * aim.goal;
         let target = cell.hand.corrected(&cell.belief.parts.pose(&name)?, &raised);
@@ -118,6 +118,12 @@ impl Assemble {
         self.seat(cell, beam, &aim.goal, height, limit, loose)
     }
 
+    /// The force at which a push stops, N.
+    fn limit(&self, cell: &Workcell, loose: bool) -> f64 {
+        let own = &self.parameters;
+        if loose { own.loose_limit.max(own.loose_usual * cell.hand.usual_force) } else { own.limit }
+    }
+
     /// Goes on with a beam that has stopped in a sleeve that little holds: aims again at where the sleeve is
     /// by now, and pushes. Where a push gains nothing, the next one comes from a little back, and a little
     /// higher or lower.
@@ -154,7 +160,7 @@ impl Assemble {
             before = remaining;
             let raised = Translation3::from(Vector3::z() * offset) * aim.goal;
             let target = cell.hand.corrected(&cell.belief.parts.pose(&name)?, &raised);
-            let limit = self.parameters.loose_limit;
+            let limit = self.limit(cell, true);
             *pushed = self.insertion.push_in(cell, beam, aim, &target, None, limit)?;
         }
         if pushes > 0 {
@@ -219,7 +225,7 @@ impl Assemble {
         let loose = !cell.belief.loose_sleeves(beam, 1).is_empty();
         cell.hand.zero()?;
         cell.compliant_search(&name, &goal, &direction, &cell.compliance(loose))?;
-        let limit = if loose { self.parameters.loose_limit } else { self.parameters.limit };
+        let limit = self.limit(cell, loose);
         let seated = self.seat(cell, beam, &goal, 0.0, limit, loose);
         cell.settle(beam)?;
         cell.release()?;
