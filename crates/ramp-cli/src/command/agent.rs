@@ -19,12 +19,13 @@ use ramp_robot::{Agent, Event};
 use ramp_twin::Setup;
 use serde_json::{Value, json};
 
-use crate::command::parts::{self, Parts};
+use crate::command::parts::{self, Parts, Sandboxes};
 use crate::command::program::{command_of, find_policy, words_of};
 use crate::output::tell;
 
 /// Agent options of `ramp run` and `ramp bench`.
 #[derive(clap::Args)]
+#[command(group = clap::ArgGroup::new("program").multiple(true))]
 pub struct Arguments {
     /// Run this agent instead of the baseline: an executable, or a Python file
     #[arg(long, value_name = "FILE", conflicts_with = "path", group = "program")]
@@ -39,7 +40,7 @@ pub struct Arguments {
     /// Time limit for each message of the agent, or answer of the policy; if it is exceeded, the episode ends
     #[arg(long, value_name = "SECONDS", default_value_t = 60.0, value_parser = seconds)]
     pub agent_limit: f64,
-    /// Run the agent, the planner or the finder in a sandbox, without access to your files, the network and
+    /// Run the agent, the planner and the finder in sandboxes, without access to your files, the network and
     /// other processes
     #[arg(long, requires = "program")]
     pub sandbox: bool,
@@ -74,11 +75,32 @@ impl Arguments {
         self.policy.as_ref().map(|url| find_policy(url, self.agent_limit)).transpose()
     }
 
-    /// The agent's sandbox, if requested. `hidden` lists files and folders that the agent must not see.
+    /// The sandboxes of the programs, if requested. `hidden` lists files and folders that they must not see.
+    /// What they do not hide on this system is told.
     ///
     /// # Errors
-    /// If this system has no sandbox, or if the agent's own folder contains a hidden file.
-    pub fn sandbox(&self, file: Option<&AgentFile>, hidden: &[&Path]) -> Result<Option<Sandbox>, Report> {
+    /// If this system has no sandbox, or if a program's own folder contains a hidden file.
+    pub fn sandboxes(
+        &self,
+        agent: Option<&AgentFile>,
+        parts: &Parts,
+        hidden: &[&Path],
+    ) -> Result<Sandboxes, Report> {
+        let sandboxes = Sandboxes {
+            agent: self.sandbox(agent, hidden)?,
+            planner: self.sandbox(parts.planner.as_ref(), hidden)?,
+            finder: self.sandbox(parts.finder.as_ref(), hidden)?,
+        };
+        let Sandboxes { agent, planner, finder } = &sandboxes;
+        if let Some(sandbox) = agent.as_ref().or(planner.as_ref()).or(finder.as_ref()) {
+            let open = open_ends(sandbox.has_rooms()).join("; ");
+            tell(&format!("the sandbox does not hide: {open}"));
+        }
+        Ok(sandboxes)
+    }
+
+    /// The sandbox of a program, if requested.
+    fn sandbox(&self, file: Option<&AgentFile>, hidden: &[&Path]) -> Result<Option<Sandbox>, Report> {
         let Some(file) = file.filter(|_| self.sandbox) else { return Ok(None) };
         let sandbox = Sandbox::find(file, hidden).map_err(|error| match error {
             SandboxError::NoLandlock => miette!(
@@ -93,11 +115,6 @@ impl Arguments {
         let sandbox = sandbox.with_rooms();
         Ok(Some(if rooms_stand(&sandbox).into_diagnostic()? { sandbox } else { sandbox.without_rooms() }))
     }
-}
-
-/// Prints a warning about what a sandbox does not block on this system.
-pub fn tell_open_ends(sandbox: &Sandbox) {
-    tell(&format!("the sandbox does not hide: {}", open_ends(sandbox.has_rooms()).join("; ")));
 }
 
 /// Whether this system allows the name spaces of a sandbox: a process tries them.
@@ -134,7 +151,7 @@ pub struct AgentSetup<'a> {
 pub fn start<'a>(
     inputs: &AgentSetup<'a>,
     file: Option<&AgentFile>,
-    sandbox: Option<Sandbox>,
+    sandboxes: Sandboxes,
     limit: f64,
     end: Option<Instant>,
     listener: impl FnMut(&Event) + 'a,
@@ -149,7 +166,7 @@ pub fn start<'a>(
     }
     let Some(file) = file else {
         return Ok(Box::new(
-            parts.agent(setup, texts, limit, plan.clone(), sandbox)?.with_listener(listener),
+            parts.agent(setup, texts, limit, plan.clone(), sandboxes)?.with_listener(listener),
         ));
     };
     adopt_orphans();
@@ -157,8 +174,8 @@ pub fn start<'a>(
     if setup.task != Task::Build {
         goal = goal.with_task(take_apart(assembly));
     }
-    let command = command_of(file, sandbox.as_ref())?;
-    let agent = ExternalAgent::start(file, &command, goal, patience, sandbox).into_diagnostic()?;
+    let command = command_of(file, sandboxes.agent.as_ref())?;
+    let agent = ExternalAgent::start(file, &command, goal, patience, sandboxes.agent).into_diagnostic()?;
     Ok(Box::new(agent.with_listener(listener)))
 }
 

@@ -108,6 +108,17 @@ impl Arguments {
     }
 }
 
+/// The sandboxes of an episode's programs, each of its own.
+#[derive(Default)]
+pub struct Sandboxes {
+    /// That of the agent.
+    pub agent: Option<Sandbox>,
+    /// That of the planner.
+    pub planner: Option<Sandbox>,
+    /// That of the finder.
+    pub finder: Option<Sandbox>,
+}
+
 /// The parts of the baseline, read from their files.
 pub struct Parts {
     /// The planning rules.
@@ -121,7 +132,7 @@ pub struct Parts {
     /// The program that plans.
     pub planner: Option<AgentFile>,
     /// The program that finds parts in images.
-    finder: Option<AgentFile>,
+    pub finder: Option<AgentFile>,
     /// The arm that must be able to carry them out, if that is to be checked.
     checked_for: Option<ArmModel>,
 }
@@ -139,11 +150,6 @@ impl Parts {
             finder: self.finder.as_ref().map(finder_name),
         };
         (replaced.name(), Baseline::VERSION.to_string())
-    }
-
-    /// The program that may run in a sandbox: the planner, or the finder.
-    pub fn program(&self) -> Option<&AgentFile> {
-        self.planner.as_ref().or(self.finder.as_ref())
     }
 
     /// Replaces the skill for these actions.
@@ -171,7 +177,7 @@ impl Parts {
     }
 
     /// The agent for an episode. `limit` is the time, s, that a program has for a message; `plan` is the
-    /// given plan, and `sandbox` that of the planner or the finder.
+    /// given plan, and `sandboxes` are those of planner and finder.
     ///
     /// # Errors
     /// If a skill cannot be replaced.
@@ -181,7 +187,7 @@ impl Parts {
         texts: &Texts,
         limit: f64,
         plan: Option<Plan>,
-        sandbox: Option<Sandbox>,
+        sandboxes: Sandboxes,
     ) -> Result<Baseline<'a>, Report> {
         let mut baseline = Baseline::new(setup.assembly, setup.arm, &self.domains, setup.seed)
             .on_track(setup.track)
@@ -201,11 +207,13 @@ impl Parts {
         }
         if let Some(file) = &self.planner {
             adopt_orphans();
+            let sandbox = sandboxes.planner;
             let planner = own_planner::planner(setup, texts, file, &self.domains, limit, sandbox)?;
             baseline = baseline.with_planner(planner, &planner_name(file));
-        } else if let Some(file) = &self.finder {
+        }
+        if let Some(file) = &self.finder {
             adopt_orphans();
-            let finder = own_finder::finder(setup, texts, file, limit, sandbox)?;
+            let finder = own_finder::finder(setup, texts, file, limit, sandboxes.finder)?;
             baseline = baseline.with_finder(finder, &finder_name(file));
         }
         if let (Some(plans), Some(plan)) = (&self.plans, plan) {

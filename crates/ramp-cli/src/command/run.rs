@@ -166,10 +166,7 @@ fn in_twin(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
             Known { tape: arguments.tape.is_some(), file: agent_file.as_ref(), policy: policy.as_ref() };
         refuse_other(&output, &setup, arguments, &known.identity(&parts))?;
     }
-    let sandbox = arguments.agent.sandbox(agent_file.as_ref().or(parts.program()), &[&output, &log])?;
-    if let Some(sandbox) = &sandbox {
-        agent::tell_open_ends(sandbox);
-    }
+    let sandboxes = arguments.agent.sandboxes(agent_file.as_ref(), &parts, &[&output, &log])?;
     let mut window = if arguments.view { Some(Window::open(&setup)?) } else { None };
     let mut pictures = Pictures::new(&arguments.pictures, &setup)?;
     make_folder_of(&log)?;
@@ -188,7 +185,7 @@ fn in_twin(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let limit = arguments.agent.agent_limit;
     let mut agent: Box<dyn Agent + '_> = match &arguments.tape {
         Some(path) => Box::new(Tape::of(&Log::read(path).into_diagnostic()?).into_diagnostic()?),
-        None => agent::start(&inputs, agent_file.as_ref(), sandbox, limit, end, |event| {
+        None => agent::start(&inputs, agent_file.as_ref(), sandboxes, limit, end, |event| {
             display.event(event);
         })?,
     };

@@ -126,7 +126,7 @@ mod with_wire {
             return Err(miette!(help = help, "the cameras of this station give no depth"));
         }
         let workspace = Workspace { low: station.low, high: station.high };
-        let sandbox = inputs.agent.sandbox(agent_file.as_ref().or(parts.program()), &[&output, &log])?;
+        let sandboxes = inputs.agent.sandboxes(agent_file.as_ref(), &parts, &[&output, &log])?;
         ending::defer_requests();
         let (display, complete, quit) =
             (Display::new(assembly.connections.len(), "pegs"), Cell::new(false), Cell::new(false));
@@ -149,7 +149,7 @@ mod with_wire {
             }
         };
         let limit = inputs.agent.agent_limit;
-        let mut agent = agent::start(&inside, agent_file.as_ref(), sandbox, limit, None, listen)?;
+        let mut agent = agent::start(&inside, agent_file.as_ref(), sandboxes, limit, None, listen)?;
         let stop = || (quit.get() || ending::requested().is_some()).then(|| BY_PERSON.to_string());
         if arguments.dry_run {
             let mut guarded =

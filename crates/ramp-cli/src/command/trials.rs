@@ -33,7 +33,7 @@ use ramp_world::{Start, World};
 use crate::columns::{Table, terminal_width};
 use crate::command::agent;
 use crate::command::own_skill::{self, SkillHost, Source};
-use crate::command::parts::{self, Parts};
+use crate::command::parts::{self, Parts, Sandboxes};
 use crate::command::program::find_policy;
 use crate::options::{StartOption, TrackName, WorldOption};
 use crate::output::{print, tell};
@@ -358,7 +358,7 @@ impl Trials<'_> {
             return Ok(trial);
         }
         let given = self.parts.plans.as_ref().map(|_| step.plan.clone());
-        let baseline = self.parts.agent(&setup, texts, self.agent_limit, given, None)?;
+        let baseline = self.parts.agent(&setup, texts, self.agent_limit, given, Sandboxes::default())?;
         let next = match &step.task.aim {
             Aim::Placed { connections } => connections.clone(),
             _ => Vec::new(),

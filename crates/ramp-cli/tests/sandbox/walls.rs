@@ -81,6 +81,35 @@ fn a_planner_in_a_sandbox_cannot_read_other_files() {
     }
 }
 
+/// A planner and a finder go together, and neither can read a file of its user in its sandbox.
+fn a_planner_and_a_finder_have_sandboxes_of_their_own() {
+    let [planners, finders, results] = [(); 3].map(|()| TempDir::new().unwrap());
+    let secret = results.path().join("secret");
+    std::fs::write(&secret, "x").unwrap();
+    let (planner, finder) = (planners.path().join("planner.py"), finders.path().join("finder.py"));
+    let spy = format!(
+        "import sys\ntry:\n    open({secret:?}).read()\n    sys.exit(9)\nexcept OSError:\n    pass\n"
+    );
+    std::fs::write(&planner, &spy).unwrap();
+    let sees_nothing = "import json\nread = sys.stdin.buffer\nread.readline()\nwhile line := read.readline():\n    \
+                        read.read(json.loads(line)['image']['bytes'])\n    print('{\"parts\": []}', flush=True)\n";
+    std::fs::write(&finder, spy + sees_nothing).unwrap();
+    for (sandbox, why) in [
+        (&[][..], "the finder crashed: it ended with status 9"),
+        (&["--sandbox"], "no plan: the planner wrote no plan"),
+    ] {
+        let run = ["run", "easy-1", "--track", "tags", "--world", "ideal", "--force", "-o", "out.json"];
+        let mut command = Command::new(env!("CARGO_BIN_EXE_ramp"));
+        command.current_dir(&results).args(run).arg("--planner").arg(&planner).arg("--finder").arg(&finder);
+        let output = command.args(sandbox).output().unwrap();
+        assert_eq!(output.status.code(), Some(1), "{}", text(&output.stderr));
+        let result = result(&results, "out.json");
+        assert_eq!(result["ended"]["reason"], why);
+        let name = result["agent"]["name"].as_str().unwrap();
+        assert!(name.contains("+planner-planner.") && name.contains("+finder-finder."), "{name}");
+    }
+}
+
 /// Space of files without a name and shared memory count: 64 MiB is the limit here.
 fn unlinked_files_and_shared_memory_are_within_the_quota() {
     let agents = agents();
@@ -173,6 +202,11 @@ pub fn checks() -> Vec<Trial> {
             "a_planner_in_a_sandbox_cannot_read_other_files",
             missing,
             a_planner_in_a_sandbox_cannot_read_other_files,
+        ),
+        check_unless(
+            "a_planner_and_a_finder_have_sandboxes_of_their_own",
+            missing,
+            a_planner_and_a_finder_have_sandboxes_of_their_own,
         ),
         check_unless(
             "unlinked_files_and_shared_memory_are_within_the_quota",

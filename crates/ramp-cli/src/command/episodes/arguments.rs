@@ -94,9 +94,7 @@ impl Arguments {
         let parts = self.agent.parts.read(&self.arm.of(data)?, self.track.into())?;
         // Report problems of the sandbox before any episode starts.
         let hidden = Vec::from_iter([Some(folder), hidden].into_iter().flatten());
-        if let Some(sandbox) = self.agent.sandbox(agent.as_ref().or(parts.program()), &hidden)? {
-            agent::tell_open_ends(&sandbox);
-        }
+        self.agent.sandboxes(agent.as_ref(), &parts, &hidden)?;
         if let Some(plans) = &parts.plans {
             plans.check(goals.iter().map(|goal| goal.name.as_str()))?;
             for goal in &goals {

@@ -132,7 +132,7 @@ pub struct Batch<'a> {
     pub agent: Option<AgentFile>,
     pub policy: Option<BatchPolicy>,
     pub agent_limit: f64,
-    /// True if the agent, or the planner, runs in a sandbox.
+    /// True if the programs run in sandboxes.
     pub sandbox: bool,
     /// Secret that is mixed into the seeds.
     pub secret: Option<Secret>,
