@@ -105,6 +105,12 @@ impl Eyes {
         self.tags_on_parts
     }
 
+    /// True if the camera on the hand finds its place from the tag of the sheet, and not only from the
+    /// clamped beam.
+    pub fn read_the_sheet(&self) -> bool {
+        self.tags_on_parts && self.own.is_none()
+    }
+
     /// True if the track gives images instead of poses. Known if configured, or after the first look.
     pub fn images(&self) -> bool {
         self.images

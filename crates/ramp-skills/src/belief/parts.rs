@@ -39,8 +39,9 @@ pub struct Belief {
     looked: Option<f64>,
     pub(super) x_wt: Pose,
     astray: Vec<(String, f64)>,
-    /// The camera on the hand, at its nominal place, does not see the parts where they are.
-    misplaced_camera: bool,
+    /// The camera on the hand, at its nominal place, does not see the parts where they are: whether that is
+    /// yet to be told.
+    misplaced_camera: Option<bool>,
     /// Parts lie anywhere on the table at the start.
     pub(super) anywhere: bool,
 }
@@ -102,7 +103,7 @@ impl Belief {
             looked: None,
             x_wt: Pose::identity(),
             astray: Vec::new(),
-            misplaced_camera: false,
+            misplaced_camera: None,
             anywhere,
         }
     }
@@ -215,8 +216,9 @@ impl Belief {
             part.suppose_outline(&seen);
         }
         let surprise = part.estimate.surprise(&seen);
-        if sighting.nominal == Some(Camera::Wrist) && part.seen {
-            self.misplaced_camera |= surprise > self.parameters.misplaced;
+        let nominal = sighting.nominal == Some(Camera::Wrist) && part.seen;
+        if nominal && surprise > self.parameters.misplaced {
+            self.misplaced_camera.get_or_insert(true);
         }
         if surprise < self.parameters.gate {
             part.watch(&seen, &self.parameters);
@@ -250,9 +252,9 @@ impl Belief {
         }
     }
 
-    /// Whether the camera on the hand turned out not to be at its nominal place since this was last asked.
+    /// Whether the camera on the hand turned out not to be at its nominal place: told once.
     pub fn camera_misplaced(&mut self) -> bool {
-        std::mem::take(&mut self.misplaced_camera)
+        self.misplaced_camera.as_mut().is_some_and(std::mem::take)
     }
 
     /// The parts that were found far from where they were believed since this was last asked, and how far, m.

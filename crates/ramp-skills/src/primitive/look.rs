@@ -140,9 +140,9 @@ impl Workcell<'_, '_> {
         if eyes.images() && !eyes.tags() { self.calibrate() } else { Ok(()) }
     }
 
-    /// Shows the camera on the empty hand the tag of the sheet, or without tags the clamped beam, which
-    /// calibrates that camera. During a build, the camera sees tags with known poses over the sheet and the
-    /// assembly; a piece of a build starts without.
+    /// Shows the camera on the empty hand the tag of the sheet, or where that is not read the clamped beam,
+    /// which calibrates that camera. During a build, the camera sees tags with known poses over the sheet and
+    /// the assembly; a piece of a build starts without.
     ///
     /// # Errors
     /// The robot's.
@@ -150,7 +150,7 @@ impl Workcell<'_, '_> {
         if !self.belief.parts.eyes.images() {
             return Ok(());
         }
-        if self.belief.parts.eyes.tags() {
+        if self.belief.parts.eyes.read_the_sheet() {
             self.visit(&Point3::from(x_wg_sheet(self.kit).translation.vector))?;
         } else {
             let base = &self.assembly.beams[self.assembly.base].beam;
