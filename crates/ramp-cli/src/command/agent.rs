@@ -76,7 +76,7 @@ impl Arguments {
     }
 
     /// The sandboxes of the programs, if requested. `hidden` lists files and folders that they must not see.
-    /// What they do not hide on this system is told.
+    /// Tells which things they do not hide on this system.
     ///
     /// # Errors
     /// If this system has no sandbox, or if a program's own folder contains a hidden file.

@@ -1,4 +1,4 @@
-//! What the belief says about where parts are: their poses, points and holes, and how well they are known.
+//! The believed places of the parts: their poses, points and holes, and how well they are known.
 
 use nalgebra::Point3;
 use ramp_assembly::{Assembly, Connection, JointRef};
@@ -9,7 +9,7 @@ use crate::Pose;
 use crate::fault::{Fault, SkillError};
 
 impl Belief {
-    /// Where a part is.
+    /// The pose of a part in the world.
     ///
     /// # Errors
     /// [`Fault::Unseen`].

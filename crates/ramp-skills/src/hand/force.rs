@@ -25,7 +25,7 @@ pub struct Rise {
 struct Beginning {
     /// The first force, N.
     force: f64,
-    /// Where setpoint and tip were one control period before, m in the direction.
+    /// Places of setpoint and tip one control period before, m in the direction.
     before: [f64; 2],
     /// Their smoothed speeds, m/s.
     speeds: [f64; 2],
