@@ -337,7 +337,7 @@ impl<'a> Baseline<'a> {
             self.learn_paths(cell, &plan);
             self.history.follows(&plan);
             match self.run_plan(cell, &plan) {
-                Ok(()) if self.history.resumes() => {}
+                Ok(()) if self.history.resumes(&cell.belief.fastened(), cell.progress()) => {}
                 Ok(()) => return Ok(Vec::new()),
                 Err(SkillError::Robot(error)) => return Err(error),
                 Err(error) => {

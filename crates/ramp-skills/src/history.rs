@@ -263,9 +263,21 @@ impl History {
         &self.later
     }
 
-    /// The rest is done. Returns whether connections were left for later: now is the time for them.
-    pub fn resumes(&mut self) -> bool {
-        !std::mem::take(&mut self.later).is_empty()
+    /// The rest is done: now is the time for the connections that were left for later and are not `pinned`.
+    /// Returns whether there are any. With more `progress` than when they failed, they are worth another try.
+    pub fn resumes(&mut self, pinned: &[(String, String)], progress: usize) -> bool {
+        let later = std::mem::take(&mut self.later);
+        let is_open = |work: &Work| {
+            work.is_of_connection()
+                && later.contains(&work.about)
+                && pinned.iter().all(|(connection, _)| *connection != work.about)
+        };
+        let Some(last) = self.tried.iter().rev().find(|tried| is_open(&tried.work)).cloned() else {
+            return false;
+        };
+        self.change = None;
+        self.tried.push(Tried { with: Some(Change::Later), refused: false, progress, ..last });
+        true
     }
 
     /// Records a failure. `progress` counts the beams that stand and the pegs that are seated.
@@ -499,23 +511,34 @@ mod tests {
             peg: Some("p2".into()),
         };
         let mut history = History::default();
-        let mut words = Vec::new();
-        for progress in [3, 3, 3, 6] {
+        let fails = |history: &mut History, progress: usize| {
             history.failed(&fasten, "p2 is not flush", progress);
-            words.push(history.change(&Choice::default()).map(|(_, change)| change.to_string()));
-        }
+            history.change(&Choice::default()).map(|(_, change)| change.to_string())
+        };
+        let words: Vec<_> = (0..3).map(|_| fails(&mut history, 3)).collect();
         assert_eq!(words[2].as_deref(), Some("after the rest"));
-        assert_eq!(words[3].as_deref(), Some("after another look"));
         assert_eq!(history.later(), ["C2"]);
-        assert!(history.resumes() && !history.resumes());
+        // The rest has brought the frame on.
+        assert!(history.resumes(&[], 6) && history.later().is_empty());
+        let change = history.change(&Choice::default()).map(|(_, change)| change);
+        assert_eq!(change, Some(Change::Look));
+        assert_eq!(fails(&mut history, 6).as_deref(), Some("after a pause"));
+        assert_eq!(fails(&mut history, 6), None);
+        assert!(!history.resumes(&[], 6));
+        // There is no rest.
+        let mut history = History::default();
         for _ in 0..3 {
-            history.failed(&fasten, "p2 is not flush", 6);
-            history.change(&Choice::default());
+            fails(&mut history, 3);
         }
-        assert!(history.resumes());
-        history.failed(&fasten, "p2 is not flush", 6);
+        assert!(history.resumes(&[], 3));
         assert_eq!(history.change(&Choice::default()), None);
         assert!(history.account().ends_with("after the rest: p2 is not flush"), "{}", history.account());
+        // It was fastened meanwhile.
+        let mut history = History::default();
+        for _ in 0..3 {
+            fails(&mut history, 3);
+        }
+        assert!(!history.resumes(&[("C2".into(), "p2".into())], 4));
     }
 
     /// A difference with which there is no plan counts as tried, and the planner does not keep it.

@@ -90,3 +90,32 @@ fn a_result_names_the_file_of_its_numbers() {
     let (status, _, told) = ramp(&folder, &arguments[..arguments.len() - 2]);
     assert!(status == 2 && told.contains("the folder would become one of two agents"), "{told}");
 }
+
+/// Pegs that never go in: each connection is left for later once, and the episode ends with what was tried.
+#[test]
+fn connections_that_always_fail_are_given_up_in_the_end() {
+    let folder = TempDir::new().unwrap();
+    let never = r#"
+import json, sys
+for message in (
+    {"hello": {"protocol": 1, "name": "never", "version": "1"}},
+    {"event": {"kind": "fault", "fault": "other", "why": "it never does"}},
+    {"done": {}},
+):
+    print(json.dumps(message), flush=True)
+    sys.stdin.readline()
+"#;
+    std::fs::write(folder.path().join("never.py"), never).unwrap();
+    let run = ["run", "easy-1", "--track", "state", "--world", "ideal", "--skill", "fasten=never.py"];
+    let (status, _, told) = ramp(&folder, &[&run[..], &["-o", "out.json"]].concat());
+    assert_eq!(status, 1, "{told}");
+    let result: Value =
+        serde_json::from_slice(&std::fs::read(folder.path().join("out.json")).unwrap()).unwrap();
+    let later = result["events"].as_array().unwrap().iter().filter(|event| {
+        event["kind"] == "retry"
+            && event["because"].as_str().is_some_and(|why| why.ends_with("after the rest"))
+    });
+    assert_eq!(later.count(), 3);
+    let reason = result["ended"]["reason"].as_str().unwrap();
+    assert!(reason.starts_with("nothing is left to try to fasten"), "{reason}");
+}

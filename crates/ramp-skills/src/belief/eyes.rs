@@ -107,7 +107,7 @@ impl Eyes {
 
     /// True if the camera on the hand finds its place from the tag of the sheet, and not only from the
     /// clamped beam.
-    pub fn read_the_sheet(&self) -> bool {
+    pub fn reads_the_sheet(&self) -> bool {
         self.tags_on_parts && self.own.is_none()
     }
 

@@ -22,7 +22,6 @@ use super::outlines;
 use super::part::{Frame, Part};
 use super::surroundings::{Expected, Surroundings};
 use crate::Pose;
-
 use crate::hand::Hand;
 use crate::parameters::Parameters;
 use crate::parameters::belief::BeliefParameters;

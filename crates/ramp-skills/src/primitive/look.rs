@@ -150,7 +150,7 @@ impl Workcell<'_, '_> {
         if !self.belief.parts.eyes.images() {
             return Ok(());
         }
-        if self.belief.parts.eyes.read_the_sheet() {
+        if self.belief.parts.eyes.reads_the_sheet() {
             self.visit(&Point3::from(x_wg_sheet(self.kit).translation.vector))?;
         } else {
             let base = &self.assembly.beams[self.assembly.base].beam;
