@@ -35,6 +35,7 @@ try:
         current_result,
         curve_svg,
         describe_event,
+        log_facts,
         play_log,
         view_lens,
     )
@@ -68,6 +69,7 @@ __all__ = [
     "curve_svg",
     "data",
     "describe_event",
+    "log_facts",
     "integer",
     "play_log",
     "run_episode",

@@ -317,14 +317,19 @@ def current_result(result: str) -> str:
 def curve_svg(result: str) -> str:
     """The completion of a result over time, as SVG."""
 
+def log_facts(log: str) -> str:
+    """The facts of a log as JSON; its episode does not run again."""
+
 def play_log(
     log: str,
     see: Callable[[dict[str, Any]], None] | None = None,
     *,
     periods: int = 50,
     size: int | None = None,
+    depth: bool = False,
 ) -> str:
-    """Runs the episode of a log again; ``see`` gets each sample. What the log says as JSON, with ``equal`` and
+    """Runs the episode of a log again; ``see`` gets each sample, with images of ``size`` pixels a side and, with
+    ``depth``, their depth in 0.1 mm. What the log says as JSON, with ``equal`` and
     ``differences``."""
 
 def view_lens(benchmark: Benchmark, camera: str, size: int) -> str:

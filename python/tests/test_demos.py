@@ -1,6 +1,7 @@
 """Demonstrations: what is recorded, each format, going on after a stop, and playing them again."""
 
 import importlib.util
+import io
 import json
 import shutil
 import subprocess
@@ -19,7 +20,8 @@ from ramp.demos.skills import SkillRecorder  # noqa: E402
 
 SKILL = {
     "what": "fasten", "skill": True, "logs": [], "goals": ["easy-1"], "world": "ideal", "start": "moved",
-    "track": "noisy", "belief_error": 0.0, "agent": None, "rate": 20, "image_size": 32, "seed": 5, "episodes": 2,
+    "track": "noisy", "belief_error": 0.0, "agent": None, "rate": 20, "image_size": 32, "depth": False, "seed": 5,
+    "episodes": 2,
 }  # fmt: skip
 
 
@@ -155,9 +157,9 @@ class Sway(ramp.Agent):
 
 def test_episodes_of_a_goal_come_from_logs_that_repeat_them(tmp_path, capsys):
     have("zarr")
-    result = ramp.run("easy-1", agent=Sway(), track="state", world="ideal", record=tmp_path / "sway.mcap")
+    result = ramp.run("easy-1", agent=Sway(), track="state", world="ideal+touch", record=tmp_path / "sway.mcap")
     asked = {"what": None, "skill": False, "logs": [str(tmp_path)], "goals": [], "format": "zarr"}
-    assert record(tmp_path / "set", **asked, image_size=16, rate=10) == 0
+    assert record(tmp_path / "set", **asked, image_size=16, depth=True, rate=10) == 0
     (episode,) = collect.read_meta(tmp_path / "set")["episodes"]
     assert not episode["success"] and episode["task"] == "build the frame easy-1" and episode["state"] == result.state
     assert episode["actions"] == [{"frame": 0, "action": "sway"}] and episode["agent"] == "sway 1"
@@ -166,6 +168,12 @@ def test_episodes_of_a_goal_come_from_logs_that_repeat_them(tmp_path, capsys):
 
     data = zarr.open_group(str(tmp_path / "set/demos.zarr"), mode="r")["data"]
     assert actions.shape == (20, 8) and data["wrist_image"].shape == (20, 16, 16, 3)
+    # The camera from above is further from the table than that at the hand, and nothing touches the fingers.
+    wrist, above = data["wrist_depth"][:], data["birds_eye_depth"][:]
+    assert above.shape == (20, 16, 16, 1) and above.dtype == np.uint16
+    assert 24_000 < np.median(above) < 26_000 and 2_000 < np.median(wrist) < np.median(above)
+    assert data["touch_force"].shape == (20, 6) and data["touch_centre"].shape == (20, 4)
+    assert np.abs(data["touch_force"][:]).max() < 1.0
     # A target is where the joints are a little later: of commanded positions, and of a pose in space.
     positions = data["positions"][:]
     assert positions[10, 0] - positions[0, 0] > 0.15
@@ -180,6 +188,15 @@ def test_episodes_of_a_goal_come_from_logs_that_repeat_them(tmp_path, capsys):
     assert play(tmp_path / "set") == 2
 
 
+def test_logs_with_and_without_tactile_sensors_do_not_mix(tmp_path, capsys):
+    have("zarr")
+    for world in ("ideal", "ideal+touch"):
+        ramp.run("easy-1", agent=Sway(), track="state", world=world, record=tmp_path / f"{world}.mcap")
+    asked = {"what": None, "skill": False, "logs": [str(tmp_path)], "goals": [], "format": "zarr"}
+    assert record(tmp_path / "set", **asked, image_size=0) == 2
+    assert "has tactile sensors" in capsys.readouterr().err and not (tmp_path / "set").exists()
+
+
 def test_the_reward_of_a_goal_is_the_share_of_pegs_that_begin_to_count():
     times = np.array([0.01, 0.05, 0.1, 0.15])
     assert logs.rewards_of(times, [0.1, None, 0.12, 9.0]).tolist() == [0.0, 0.25, 0.5]
@@ -189,7 +206,7 @@ def test_the_reward_of_a_goal_is_the_share_of_pegs_that_begin_to_count():
 def test_statistics_of_images_are_those_of_their_values():
     random = np.random.default_rng(1)
     images = random.integers(0, 256, (3, 8, 8, 3)).astype(np.uint8)
-    colours = statistics.Colours()
+    colours = statistics.Counts.of_colours()
     colours.add(images)
     told = colours.told()
     values = images.reshape(-1, 3) / 255.0
@@ -201,11 +218,13 @@ def test_statistics_of_images_are_those_of_their_values():
 def test_an_episode_is_kept_as_it_is(tmp_path):
     episode = Episode(
         {"tip": np.ones((3, 7), np.float32)}, {"wrist": np.zeros((3, 4, 4, 3), np.uint8)},
+        {"wrist": np.full((3, 4, 4, 1), 65535, np.uint16)},
         np.zeros((2, 3), np.float32), np.zeros(2, np.float32), {"seed": 2**64 - 1, "task": "é", "success": False},
     )  # fmt: skip
     episode.save(tmp_path / "it.npz")
     again = Episode.load(tmp_path / "it.npz")
     assert again.facts == episode.facts and np.array_equal(again.state(), episode.state())
+    assert np.array_equal(again.depths["wrist"], episode.depths["wrist"])
     assert [it.name for it in tmp_path.iterdir()] == ["it.npz"]
 
 
@@ -227,7 +246,7 @@ def lerobot_set(tmp_path_factory):
     """A data set of two episodes in LeRobot's format."""
     have("lerobot")
     folder = tmp_path_factory.mktemp("lerobot") / "set"
-    assert record(folder, format="lerobot") == 0
+    assert record(folder, format="lerobot", depth=True) == 0
     return folder
 
 
@@ -245,6 +264,21 @@ def test_the_files_of_lerobot_say_what_they_hold(lerobot_set):
     with av.open(str(lerobot_set / "videos/observation.images.wrist/chunk-000/file-000.mp4")) as video:
         assert sum(1 for _ in video.decode(video=0)) == len(table)
     assert "LeRobot" in (lerobot_set / "README.md").read_text()
+
+
+def test_depth_in_lerobot_is_in_metres(lerobot_set):
+    import PIL.Image
+    import pyarrow.parquet as parquet
+
+    key = "observation.images.birds_eye_depth"
+    feature = json.loads((lerobot_set / "meta/info.json").read_text())["features"][key]
+    assert feature["dtype"] == "image" and feature["info"] == {"is_depth_map": True, "depth_unit": "m"}
+    (first, *_) = parquet.read_table(lerobot_set / "data")[key].to_pylist()
+    distances = np.asarray(PIL.Image.open(io.BytesIO(first["bytes"])))
+    # The camera from above is 2.5 m over the table.
+    assert distances.shape == (32, 32) and distances.dtype == np.float32 and 2.4 < np.median(distances) < 2.6
+    told = json.loads((lerobot_set / "meta/stats.json").read_text())[key]
+    assert np.shape(told["mean"]) == (1, 1, 1) and 2.0 < told["mean"][0][0][0] < 3.0
 
 
 @pytest.mark.skipif(importlib.util.find_spec("lerobot") is None, reason="LeRobot is not installed")

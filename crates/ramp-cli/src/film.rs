@@ -6,7 +6,6 @@ mod gif;
 mod mp4;
 
 use std::path::Path;
-use std::sync::Arc;
 
 use miette::{IntoDiagnostic, Report, miette};
 use nalgebra::Point3;
@@ -45,7 +44,6 @@ pub enum From {
 /// A film in progress.
 pub struct Film {
     from: From,
-    looks: Arc<Looks>,
     model: CameraModel,
     free: FreeCamera,
     renderer: Renderer,
@@ -105,13 +103,12 @@ impl Film {
             From::Wrist => scaled(CameraModel::nominal(Camera::Wrist, setup.arm.hand.tip), w),
             From::BirdsEye => scaled(CameraModel::nominal(Camera::BirdsEye, setup.arm.hand.tip), w),
         };
-        let renderer = Renderer::new(Arc::clone(&looks), &model);
+        let renderer = Renderer::new(looks, &model);
         let writer = Writer::new(path)?;
         let track = setup.track.name();
         let title = format!("{}, track {track}, seed {}", setup.assembly.name, setup.seed);
         Ok(Film {
             from,
-            looks,
             model,
             free,
             renderer,
@@ -152,7 +149,8 @@ impl Film {
     }
 
     fn draw(&mut self, twin: &Twin) -> Result<tiny_skia::Pixmap, Report> {
-        let mut scene = twin.picture(&self.looks);
+        let looks = twin.looks().into_diagnostic()?;
+        let mut scene = twin.picture(&looks);
         let x_wt = twin.observe().x_wt;
         let x_wc = match self.from {
             From::Free => {
@@ -160,12 +158,13 @@ impl Film {
                 self.free.follow(Point3::new(tip.x, tip.y, LOOKED_AT))
             }
             From::Wrist => {
-                let housing = self.looks.body(HOUSING);
+                let housing = looks.body(HOUSING);
                 scene.bodies.retain(|(index, _)| Some(*index) != housing);
                 self.model.x_wc(&x_wt)
             }
             From::BirdsEye => self.model.x_wc(&x_wt),
         };
+        self.renderer.dress(looks);
         let pixels = self.renderer.render(&scene, &x_wc, &mut self.sensor);
         let [width, height] = SIZE;
         let mut pixmap = tiny_skia::Pixmap::new(width as u32, height as u32)

@@ -104,7 +104,8 @@ pub struct LoggedSetup {
     pub assembly: Assembly,
     /// The arm.
     pub arm: ArmModel,
-    world: ramp_world::World,
+    /// The world.
+    pub world: ramp_world::World,
     track: Track,
     seed: u64,
     start: Start,

@@ -294,6 +294,9 @@ impl Env {
             None => start.twin.duplicate(),
         };
         let readings = self.readings(&mut twin);
+        for painter in &mut self.painters {
+            painter.dress(&twin).map_err(|error| EnvError::Looks(error.to_string()))?;
+        }
         let seen = twin.observe();
         let (gripper, held) = match &start.known {
             Some(known) => (known.gripper, known.held.clone()),

@@ -33,5 +33,5 @@ pub use env::{Env, EnvError, Options, Step};
 pub use onlooker::Onlooker;
 pub use pictures::View;
 pub use reward::{RewardTerms, Weights};
-pub use samples::{Sample, Sampler};
+pub use samples::{Pictures, Sample, Sampler};
 pub use scenario::{Begin, Frame, Mission, SKILLS, Scenario, ScenarioError};

@@ -38,9 +38,14 @@ impl Onlooker {
     }
 
     /// Looks at the twin. This is quick: only [`Onlooker::picture`] draws.
-    pub fn look(&mut self, twin: &Twin) {
+    ///
+    /// # Errors
+    /// When the parts of the episode cannot be drawn.
+    pub fn look(&mut self, twin: &Twin) -> Result<(), LooksError> {
+        self.renderer.dress(twin.looks()?);
         let tip = Point3::from(twin.observe().x_wt.translation.vector);
         self.seen = Some((twin.picture(self.renderer.looks()), tip));
+        Ok(())
     }
 
     /// What was last looked at: red, green and blue of each pixel, row by row from the top left. Nothing if

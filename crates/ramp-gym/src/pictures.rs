@@ -79,12 +79,23 @@ impl Painter {
         }
     }
 
+    /// Draws the parts as they are in the episode of a twin from now on: their shapes, brightness and glints.
+    ///
+    /// # Errors
+    /// When there is nothing to draw.
+    pub fn dress(&mut self, twin: &Twin) -> Result<(), LooksError> {
+        let looks = twin.looks()?;
+        self.housing = looks.body(HOUSING);
+        self.renderer.dress(looks);
+        Ok(())
+    }
+
     /// The scene that it draws.
     pub fn view(&self) -> View {
         self.view
     }
 
-    /// Draws the scene as it is now.
+    /// Draws the scene as it is now, with the looks of [`Painter::dress`].
     pub fn paint(&mut self, twin: &Twin) {
         let mut scene = twin.picture(self.renderer.looks());
         if self.view.camera == Camera::Wrist {

@@ -8,7 +8,7 @@ use ramp_kit::Pose;
 use ramp_motion::{Joints, Kinematics};
 use ramp_render::{Looks, LooksError};
 use ramp_robot::arm::ArmModel;
-use ramp_robot::{ArmCommand, Camera, DOF, GripperCommand, Observation, PERIOD, Robot};
+use ramp_robot::{ArmCommand, Camera, DEPTH_UNIT, DOF, GripperCommand, Observation, PERIOD, Robot};
 use ramp_twin::Twin;
 
 use crate::pictures::{Painter, View};
@@ -27,6 +27,17 @@ pub struct Sample {
     /// An image for each camera, in the order of [`Camera::ALL`]: red, green and blue of each pixel. Empty
     /// without images.
     pub images: Vec<Vec<u8>>,
+    /// The depth of each image, in [`DEPTH_UNIT`]: 0 where there is none. Empty without depth images.
+    pub depths: Vec<Vec<u16>>,
+}
+
+/// The images of samples.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Pictures {
+    /// Pixels along each side, within [`SIZES`](crate::pictures::SIZES).
+    pub size: usize,
+    /// Whether there are depth images, too.
+    pub depth: bool,
 }
 
 /// Takes samples of a running episode.
@@ -40,8 +51,7 @@ pub struct Sampler {
 }
 
 impl Sampler {
-    /// A sample each `periods` control periods, from the first moment on; images have `size` pixels along
-    /// each side, or there are none.
+    /// A sample each `periods` control periods, from the first moment on, with these images or none.
     ///
     /// # Errors
     /// When the parts cannot be drawn.
@@ -49,13 +59,13 @@ impl Sampler {
         assembly: &Assembly,
         arm: &ArmModel,
         periods: u32,
-        size: Option<usize>,
+        pictures: Option<Pictures>,
     ) -> Result<Sampler, LooksError> {
         let mut painters = Vec::new();
-        if let Some(size) = size {
+        if let Some(Pictures { size, depth }) = pictures {
             let looks = Looks::shared(&assembly.kit, arm)?;
             let painter =
-                |camera| Painter::new(View { camera, size, depth: false }, Arc::clone(&looks), arm.hand.tip);
+                |camera| Painter::new(View { camera, size, depth }, Arc::clone(&looks), arm.hand.tip);
             painters.extend(Camera::ALL.map(painter));
         }
         let every = f64::from(periods) * PERIOD;
@@ -63,12 +73,22 @@ impl Sampler {
     }
 
     /// The samples that are due by now. A call that lets much time pass gives several, equal ones.
-    pub fn due(&mut self, twin: &Twin) -> Vec<Sample> {
+    ///
+    /// # Errors
+    /// When the parts of the episode cannot be drawn.
+    pub fn due(&mut self, twin: &Twin) -> Result<Vec<Sample>, LooksError> {
         // Half a period more, since times are sums of periods.
         let due = ((twin.time() + 0.5 * PERIOD) / self.every) as u64 + 1;
         let missing = due.saturating_sub(self.taken);
         self.taken += missing;
-        if missing == 0 { Vec::new() } else { vec![self.sample(twin); missing as usize] }
+        if missing == 0 {
+            return Ok(Vec::new());
+        }
+        if missing == self.taken {
+            // The first one of this episode.
+            self.painters.iter_mut().try_for_each(|painter| painter.dress(twin))?;
+        }
+        Ok(vec![self.sample(twin); missing as usize])
     }
 
     fn sample(&mut self, twin: &Twin) -> Sample {
@@ -86,7 +106,9 @@ impl Sampler {
             painter.paint(twin);
         }
         let images = self.painters.iter().map(|painter| painter.colour.clone()).collect();
-        Sample { seen, joints, gripper, images }
+        let deep = self.painters.iter().filter(|painter| painter.view().depth);
+        let depths = deep.map(|painter| painter.depth.iter().copied().map(units).collect()).collect();
+        Sample { seen, joints, gripper, images, depths }
     }
 
     /// The joint positions, rad, near the present ones that bring the tip to a pose.
@@ -94,4 +116,10 @@ impl Sampler {
         let here = Joints::from(seen.positions);
         self.kinematics.inverse(x_wt, &here, &here).map_or(seen.positions, Into::into)
     }
+}
+
+/// A distance, m, in [`DEPTH_UNIT`]; 0 for one that a depth image cannot hold.
+fn units(distance: f32) -> u16 {
+    let units = (f64::from(distance) / DEPTH_UNIT).round();
+    if units <= f64::from(u16::MAX) { units as u16 } else { 0 }
 }

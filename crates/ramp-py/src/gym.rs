@@ -327,7 +327,7 @@ impl Env {
                 Some(onlooker) => onlooker,
                 none => none.insert(Onlooker::new(&env.scenario().benchmark).map_err(input)?),
             };
-            onlooker.look(twin);
+            onlooker.look(twin).map_err(input)?;
             Ok(onlooker.picture())
         })?;
         pixels.map(|pixels| person_picture(py, pixels)).transpose()

@@ -43,6 +43,7 @@ fn _ramp(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(episode::current_result, module)?)?;
     module.add_function(wrap_pyfunction!(episode::check_event, module)?)?;
     module.add_function(wrap_pyfunction!(episode::describe_event, module)?)?;
+    module.add_function(wrap_pyfunction!(playback::log_facts, module)?)?;
     module.add_function(wrap_pyfunction!(playback::play_log, module)?)?;
     module.add_function(wrap_pyfunction!(playback::view_lens, module)?)?;
     Ok(())

@@ -180,6 +180,7 @@ impl Twin {
             let cell = self.cell()?;
             let view = View { camera, size, depth: false };
             let mut painter = Painter::of(view, &self.benchmark).map_err(input)?;
+            painter.dress(&cell.twin).map_err(input)?;
             painter.paint(&cell.twin);
             Ok(painter.colour)
         })?;

@@ -79,10 +79,10 @@ impl Body {
     }
 }
 
-/// The looks of a kit, its sheet and an arm.
+/// The looks of a kit, its sheet and an arm. Copies share the bodies in which they do not differ.
 #[derive(Clone, Debug)]
 pub struct Looks {
-    bodies: Vec<Body>,
+    bodies: Vec<Arc<Body>>,
     names: BTreeMap<String, usize>,
     /// The sheet and where it lies: its upper left corner in the world and its size, m.
     pub(crate) sheet: Arc<Texture>,
@@ -161,7 +161,7 @@ impl Looks {
             edge: kit.sheet.tag_edge,
         };
         Ok(Looks {
-            bodies,
+            bodies: bodies.into_iter().map(Arc::new).collect(),
             names,
             sheet: Arc::new(Texture::sheet(kit, true)?),
             sheet_corner: kit.sheet.corner.map(|value| value as f32),
@@ -215,7 +215,7 @@ impl Looks {
         mesh.add_box(&Cuboid { min: [-x, -y, -CARDBOARD], max: [x, y, 0.0] }, PAPER);
         let tags = ramp_kit::board::places().iter().map(sticker).collect::<Result<_, _>>()?;
         self.names.insert(CALIBRATION_SHEET.to_string(), self.bodies.len());
-        self.bodies.push(Body::new(CALIBRATION_SHEET, mesh.clone(), mesh, tags));
+        self.bodies.push(Arc::new(Body::new(CALIBRATION_SHEET, mesh.clone(), mesh, tags)));
         Ok(self)
     }
 
@@ -223,9 +223,14 @@ impl Looks {
     #[must_use]
     pub fn with_covered_tag(&self, id: u32) -> Looks {
         let mut looks = self.clone();
-        for sticker in looks.bodies.iter_mut().flat_map(|body| &mut body.tags) {
-            if sticker.place.id == id {
-                sticker.cells = sticker.cells.blank();
+        for body in &mut looks.bodies {
+            if body.tags.iter().all(|sticker| sticker.place.id != id) {
+                continue;
+            }
+            for sticker in &mut Arc::make_mut(body).tags {
+                if sticker.place.id == id {
+                    sticker.cells = sticker.cells.blank();
+                }
             }
         }
         looks
@@ -234,6 +239,7 @@ impl Looks {
     /// Makes a body differ from its drawing.
     pub fn change(&mut self, name: &str, difference: &Difference) {
         let Some(body) = self.body(name).and_then(|index| self.bodies.get_mut(index)) else { return };
+        let body = Arc::make_mut(body);
         body.tone = difference.tone as f32;
         let Some(place) = difference.place else { return };
         let moved = |points: &mut [[f32; 3]]| {
@@ -270,13 +276,13 @@ impl Looks {
         self.sheet = Arc::new(Texture::sheet(kit, false)?);
         self.sheet_tag = None;
         for body in &mut self.bodies {
-            body.tags.clear();
+            Arc::make_mut(body).tags.clear();
         }
         Ok(self)
     }
 
     /// All bodies.
-    pub fn bodies(&self) -> &[Body] {
+    pub fn bodies(&self) -> &[Arc<Body>] {
         &self.bodies
     }
 

@@ -44,12 +44,17 @@ pub fn stereo_errors(physics: &groups::Cameras) -> StereoErrors {
     StereoErrors { noise: depth_noise, bias: depth_bias, spread: depth_spread, holes: depth_holes }
 }
 
-/// Looks with the shapes, brightness and glints that the parts have in the episode of this seed. In a world
+/// Looks with the shapes, brightness and glints that these parts have in the episode of this seed. In a world
 /// in which they are as drawn, they are the same.
-pub fn looks_in_world(looks: &Arc<Looks>, kit: &Kit, world: &Physics, seed: u64) -> Arc<Looks> {
+pub fn looks_in_world<'a>(
+    looks: &Arc<Looks>,
+    kit: &Kit,
+    parts: impl IntoIterator<Item = &'a str>,
+    (world, seed): (&Physics, u64),
+) -> Arc<Looks> {
     let printed = Printed { physics: world, seed };
-    let names = kit.beams.iter().map(|beam| &beam.name).chain(kit.pegs.iter().map(|peg| &peg.name));
-    let drawn: Vec<(&String, Option<PartShape>, f64)> = names
+    let drawn: Vec<(&str, Option<PartShape>, f64)> = parts
+        .into_iter()
         .map(|name| {
             let mut stream = Stream::new(seed, &format!("tone-{name}"));
             (name, printed.shape(kit, name), 1.0 + stream.symmetric(world.cameras.tone))
@@ -77,6 +82,8 @@ pub(crate) struct Cameras {
     world: Physics,
     /// A tag that is covered with white.
     covered: Option<u32>,
+    /// The beams and pegs of the scene.
+    parts: Vec<String>,
     /// Whether tags stick on the parts and are printed on the sheet.
     tags: bool,
     /// Whether images come with depth.
@@ -112,7 +119,7 @@ impl CamerasState {
 
 impl Cameras {
     /// The cameras of an episode, in which one tag may be `covered`.
-    pub fn new(setup: &Setup, covered: Option<u32>, world: &Physics) -> Cameras {
+    pub fn new(setup: &Setup, parts: Vec<String>, covered: Option<u32>, world: &Physics) -> Cameras {
         let physics = &world.cameras;
         let model = |camera| true_camera(camera, setup.arm, setup.seed, physics);
         Cameras {
@@ -121,6 +128,7 @@ impl Cameras {
             physics: physics.clone(),
             world: world.clone(),
             covered,
+            parts,
             tags: setup.track.has_tags(),
             depth: setup.track.has_depth(),
             freeze: setup.fault.as_ref().is_some_and(|fault| fault.kind == FaultKind::CameraFrozen),
@@ -149,7 +157,8 @@ impl Cameras {
         if let Some(tag) = self.covered {
             looks = Arc::new(looks.with_covered_tag(tag));
         }
-        let looks = looks_in_world(&looks, &self.kit, &self.world, self.seed);
+        let parts = self.parts.iter().map(String::as_str);
+        let looks = looks_in_world(&looks, &self.kit, parts, (&self.world, self.seed));
         Ok(Arc::clone(self.looks.get_or_init(|| looks)))
     }
 

@@ -102,6 +102,7 @@ impl Scene {
         let parts = layout.beams.iter().chain(&layout.pegs).map(|(name, _)| named(name));
         let parts = parts.collect::<Result<Vec<_>, _>>()?;
         let holders = layout.holders.iter().map(|(name, _)| named(name)).collect::<Result<Vec<_>, _>>()?;
+        let names = parts.iter().map(|(name, _)| name.clone()).collect();
         let part_bodies: Vec<usize> = parts.iter().chain(&holders).map(|(_, id)| *id).collect();
         let bodies = model.geom_bodyid().iter().map(|id| pieces::part_of(&model, *id as usize));
         let bodies: Vec<usize> = bodies.collect();
@@ -128,7 +129,7 @@ impl Scene {
             hand_bodies: [body("hand")?, body("finger1")?, body("finger2")?],
             friction: JointFriction::new(&physics.friction, &physics.arm),
             loaded: physics.friction.coulomb != [0.0; DOF] || physics.arm.unknown_mass != 0.0,
-            cameras: Cameras::new(setup, covered, &physics),
+            cameras: Cameras::new(setup, names, covered, &physics),
             physics,
             pads: pads.transpose()?,
             model: Arc::new(model),
@@ -137,7 +138,7 @@ impl Scene {
 
     /// The poses of all bodies that `looks` can draw. The housing of the wrist camera moves with the hand.
     pub fn picture(&self, data: &MjData<Arc<MjModel>>, looks: &Looks) -> Picture {
-        let place = |(index, body): (usize, &ramp_render::looks::Body)| {
+        let place = |(index, body): (usize, &Arc<ramp_render::looks::Body>)| {
             let name = if body.name == HOUSING { "hand" } else { &body.name };
             Some((index, body_pose(data, self.model.name_to_id(MjtObjBase::mjOBJ_BODY, name)?)))
         };

@@ -11,7 +11,7 @@ use std::sync::Arc;
 use mujoco_rs::prelude::*;
 use nalgebra::Vector3;
 use ramp_assembly::Truth;
-use ramp_render::Looks;
+use ramp_render::{Looks, LooksError};
 use ramp_robot::{
     Camera, CameraModel, Command, DOF, Image, ImageWidth, Observation, PERIOD, PartReading, Robot,
     RobotError, Track,
@@ -195,6 +195,15 @@ impl Twin {
     /// The true model of a camera, with its error of calibration: to judge perception, never for an agent.
     pub fn true_camera(&self, camera: Camera) -> CameraModel {
         self.scene.cameras.model(camera).clone()
+    }
+
+    /// Meshes and textures of all bodies as the cameras of this episode see them, for pictures from any
+    /// viewpoint. They are made when they are first asked for, and shared by copies of the twin.
+    ///
+    /// # Errors
+    /// When they cannot be loaded.
+    pub fn looks(&self) -> Result<Arc<Looks>, LooksError> {
+        self.scene.cameras.looks(&self.scene.arm)
     }
 
     /// The poses of all bodies that `looks` can draw now, for pictures from any viewpoint.

@@ -53,4 +53,5 @@ def _title(told: dict[str, Any]) -> str:
 
 def _cameras(told: dict[str, Any]) -> str:
     size = told["image_size"]
-    return ", ".join(f"{key} ({size} × {size})" for key in told["cameras"]) or "none"
+    depth = ", with depth" if told["depth"] else ""
+    return ", ".join(f"{key} ({size} × {size}{depth})" for key in told["cameras"]) or "none"

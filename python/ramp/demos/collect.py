@@ -102,6 +102,7 @@ def _describe(
         **description.source,
         "rate": description.rate,
         "image_size": description.size,
+        "depth": bool(description.deep()),
         "fields": description.fields,
         "action": list(description.actions),
         "cameras": lenses(description.size) if description.size else {},

@@ -14,6 +14,9 @@ from numpy.typing import NDArray
 SCHEMA = "ramp-demos-1"
 """Version of ``meta/ramp.json``."""
 
+DEPTH_UNIT = 1.0e-4
+"""Unit of depth images, m, as on the track ``depth``."""
+
 CAMERAS = {"wrist": "wrist", "birds-eye": "birds_eye"}
 """The cameras, and their names as keys of data sets."""
 
@@ -26,6 +29,9 @@ class Episode:
     """For each field its numbers, shape (T + 1, n)."""
     images: dict[str, NDArray[np.uint8]]
     """For each camera its images, shape (T + 1, size, size, 3)."""
+    depths: dict[str, NDArray[np.uint16]]
+    """For each camera the distance along its optical axis in each pixel, 0.1 mm, and 0 where there is none: shape
+    (T + 1, size, size, 1). Empty without depth images."""
     actions: NDArray[np.float32]
     """Shape (T, n)."""
     rewards: NDArray[np.float32]
@@ -45,6 +51,7 @@ class Episode:
         """Writes it; the file appears when it is complete."""
         arrays: dict[str, Any] = {f"observations/{key}": value for key, value in self.observations.items()}
         arrays |= {f"images/{key}": value for key, value in self.images.items()}
+        arrays |= {f"depths/{key}": value for key, value in self.depths.items()}
         text = np.frombuffer(json.dumps(self.facts).encode(), np.uint8)
         part = file.with_suffix(".part")
         with part.open("wb") as out:
@@ -69,6 +76,7 @@ class Episode:
             return Episode(
                 observations=under("observations/"),
                 images=under("images/"),
+                depths=under("depths/"),
                 actions=arrays["actions"],
                 rewards=arrays["rewards"],
                 facts=json.loads(bytes(arrays["facts"])),
@@ -87,6 +95,8 @@ class Description:
     """A name for each number of an action."""
     size: int
     """Pixels along each side of an image; 0 without images."""
+    depth: bool
+    """Whether there are depth images, too."""
     source: dict[str, Any]
     """Where the episodes come from, as ``meta/ramp.json`` says it: ``kind`` and what belongs to it."""
 
@@ -97,3 +107,7 @@ class Description:
     def cameras(self) -> dict[str, str]:
         """The cameras of the images, and their names as keys."""
         return CAMERAS if self.size else {}
+
+    def deep(self) -> dict[str, str]:
+        """The cameras with depth images, and their names as keys."""
+        return CAMERAS if self.size and self.depth else {}

@@ -8,7 +8,7 @@ from typing import Any
 
 from ramp._core import InputError
 
-NEEDED = {"lerobot": ("pyarrow", "av"), "hdf5": ("h5py",), "zarr": ("zarr",)}
+NEEDED = {"lerobot": ("pyarrow", "av", "PIL"), "hdf5": ("h5py",), "zarr": ("zarr",)}
 """The formats, and the packages that read and write each."""
 
 MODULES = {"lerobot": "ramp.demos.lerobot", "hdf5": "ramp.demos.hdf5", "zarr": "ramp.demos.zarr_buffer"}

@@ -59,7 +59,8 @@ def _write_episode(group: Any, episode: Episode) -> None:
     group["actions"] = episode.actions
     group["rewards"] = episode.rewards
     group["dones"] = (np.arange(len(episode)) == len(episode) - 1).astype(np.int64)
-    images = {f"{key}_image": value for key, value in episode.images.items()}
+    images: dict[str, NDArray[Any]] = {f"{key}_image": value for key, value in episode.images.items()}
+    images |= {f"{key}_depth": value for key, value in episode.depths.items()}
     for name, rows in (episode.observations | images).items():
         group.create_dataset(f"obs/{name}", data=rows[:-1], compression="gzip")
         group.create_dataset(f"next_obs/{name}", data=rows[1:], compression="gzip")

@@ -1,7 +1,8 @@
-"""LeRobot's format, version 3: numbers in parquet files, images as videos. Without PyTorch."""
+"""LeRobot's format, version 3: numbers and depth in parquet files, images as videos. Without PyTorch."""
 
 from __future__ import annotations
 
+import io
 import json
 import pathlib
 from collections.abc import Iterable, Iterator
@@ -12,7 +13,7 @@ from numpy.typing import NDArray
 
 from ramp._core import InputError
 from ramp.demos import statistics
-from ramp.demos.episode import Description, Episode
+from ramp.demos.episode import DEPTH_UNIT, Description, Episode
 
 VERSION = "v3.0"
 """``codebase_version`` of the format."""
@@ -80,8 +81,10 @@ def write(folder: pathlib.Path, description: Description, episodes: Iterable[Epi
     (folder / "meta/episodes/chunk-000").mkdir(parents=True)
     (folder / DATA).parent.mkdir(parents=True)
     keys = {key: f"observation.images.{key}" for key in description.cameras().values()}
+    depth_keys = {key: f"observation.images.{key}_depth" for key in description.deep().values()}
     videos = {key: Videos(folder, name, description.rate) for key, name in keys.items()}
-    colours = {key: statistics.Colours() for key in keys}
+    totals = {name: statistics.Counts.of_colours() for name in keys.values()}
+    totals |= {name: statistics.Counts.of_depths() for name in depth_keys.values()}
     tasks: dict[str, int] = {}
     rows: list[dict[str, Any]] = []
     columns: dict[str, list[NDArray[Any]]] = {}
@@ -90,6 +93,8 @@ def write(folder: pathlib.Path, description: Description, episodes: Iterable[Epi
     for index, episode in enumerate(episodes):
         numbers = _columns(episode, index, frames, description.rate, tasks)
         table = _table(numbers)
+        for key, name in depth_keys.items():
+            table = table.append_column(name, _depth_column(episode.depths[key][:-1]))
         if writer is None:
             writer = parquet.ParquetWriter(folder / DATA, table.schema)
         writer.write_table(table)
@@ -101,10 +106,9 @@ def write(folder: pathlib.Path, description: Description, episodes: Iterable[Epi
         for key, name in keys.items():
             images = episode.images[key][:-1]
             row |= videos[key].add(images)
-            own = statistics.Colours()
-            own.add(images)
-            colours[key] += own
-            row |= {f"stats/{name}/{what}": value for what, value in own.told().items()}
+            row |= _count(name, images, statistics.Counts.of_colours(), totals)
+        for key, name in depth_keys.items():
+            row |= _count(name, episode.depths[key][:-1], statistics.Counts.of_depths(), totals)
         rows.append(row)
         frames += len(episode)
     if writer is None:
@@ -115,7 +119,7 @@ def write(folder: pathlib.Path, description: Description, episodes: Iterable[Epi
     parquet.write_table(pyarrow.Table.from_pylist(rows), folder / "meta/episodes/chunk-000/file-000.parquet")
     _write_tasks(folder, tasks)
     told = {name: statistics.of_rows(np.concatenate(values)) for name, values in columns.items()}
-    told |= {name: colours[key].told() for key, name in keys.items()}
+    told |= {name: counts.told() for name, counts in totals.items()}
     (folder / "meta/stats.json").write_text(json.dumps(told), encoding="utf-8")
     info = _info(description, len(rows), frames, len(tasks))
     (folder / "meta/info.json").write_text(json.dumps(info, indent=1), encoding="utf-8")
@@ -152,6 +156,29 @@ def _table(columns: dict[str, NDArray[Any]]) -> Any:
         return pyarrow.FixedSizeListArray.from_arrays(flat, values.shape[1])
 
     return pyarrow.table({name: column(values) for name, values in columns.items()})
+
+
+def _depth_column(images: NDArray[np.uint16]) -> Any:
+    """Depth images as files of TIFF with distances in m, each with its bytes and without a path."""
+    import PIL.Image
+    import pyarrow
+
+    rows = []
+    for image in images:
+        file = io.BytesIO()
+        distances = image[..., 0].astype(np.float32) * np.float32(DEPTH_UNIT)
+        PIL.Image.fromarray(distances).save(file, format="TIFF", compression="tiff_adobe_deflate")
+        rows.append({"bytes": file.getvalue(), "path": None})
+    return pyarrow.array(rows, pyarrow.struct([("bytes", pyarrow.binary()), ("path", pyarrow.string())]))
+
+
+def _count(
+    name: str, images: NDArray[Any], own: statistics.Counts, totals: dict[str, statistics.Counts]
+) -> dict[str, Any]:
+    """Counts the images of an episode, also in the totals: the columns with their statistics."""
+    own.add(images)
+    totals[name] += own
+    return {f"stats/{name}/{what}": value for what, value in own.told().items()}
 
 
 def _row(episode: Episode, index: int, first: int) -> dict[str, Any]:
@@ -213,6 +240,9 @@ def _info(description: Description, episodes: int, frames: int, tasks: int) -> d
         }  # fmt: skip
         shape = _feature("video", [size, size, 3], ["height", "width", "channels"])
         features[f"observation.images.{key}"] = {**shape, "info": video}
+    for key in description.deep().values():
+        shape = _feature("image", [size, size, 1], ["height", "width", "channels"])
+        features[f"observation.images.{key}_depth"] = {**shape, "info": {"is_depth_map": True, "depth_unit": "m"}}
     return {
         "codebase_version": VERSION,
         "robot_type": "panda",

@@ -9,11 +9,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ramp._core import InputError, play_log
-from ramp.demos.episode import CAMERAS, Description, Episode
+from ramp._core import InputError, log_facts, play_log
+from ramp.demos.episode import Description, Episode
 
 FIELDS = {"positions": 7, "velocities": 7, "torques": 7, "tip": 7, "width": 1, "wrench": 6}
 """What the robot senses, and its numbers."""
+
+TOUCH = {"touch_force": 6, "touch_centre": 4}
+"""What tactile sensors add: of each finger the force (3) and the centre of pressure (2)."""
 
 ACTIONS = (*(f"joint.{it}" for it in range(7)), "width")
 """Numbers of an action, those of the environments' ``raw`` ones: the positions to which the joints were told to go,
@@ -23,11 +26,19 @@ PERIODS = 1000
 """Control periods a second."""
 
 
-def describe(rate: int, size: int, kind: str, source: dict[str, Any]) -> Description:
+def has_touch(log: pathlib.Path) -> bool:
+    """Whether the fingers had tactile sensors in the episode of a log."""
+    return bool(json.loads(log_facts(str(log)))["touch"])
+
+
+def describe(
+    rate: int, kind: str, source: dict[str, Any], *, size: int = 0, depth: bool = False, touch: bool = False
+) -> Description:
     """The description of a data set that is made of logs."""
     if PERIODS % rate:
         raise InputError(f"the rate {rate} Hz does not divide {PERIODS}, the control periods of a second")
-    return Description(rate, FIELDS, ACTIONS, size, {"kind": kind, **source})
+    fields = FIELDS | (TOUCH if touch else {})
+    return Description(rate, fields, ACTIONS, size, depth, {"kind": kind, **source})
 
 
 class Samples:
@@ -49,7 +60,8 @@ def sample(log: pathlib.Path, description: Description) -> tuple[dict[str, Any],
     """Runs a log again: what it tells and how the replay compares, and the samples."""
     samples = Samples()
     size = description.size or None
-    told: dict[str, Any] = json.loads(play_log(str(log), samples, periods=PERIODS // description.rate, size=size))
+    periods = PERIODS // description.rate
+    told: dict[str, Any] = json.loads(play_log(str(log), samples, periods=periods, size=size, depth=description.depth))
     return told, samples
 
 
@@ -75,10 +87,10 @@ def record(log: pathlib.Path, description: Description) -> Episode:
         {"frame": max(int(np.searchsorted(times, it["t"] + 1e-9)) - 1, 0), "action": it["action"]}
         for it in told["actions"]
     ]
-    fields = {name: samples.field(name) for name in FIELDS}
-    cameras = CAMERAS if description.size else {}
-    images = {key: np.stack([row[camera] for row in samples.rows]) for camera, key in cameras.items()}
-    return Episode(fields, images, actions, rewards_of(times, told["pegs"]), facts)
+    fields = {name: samples.field(name) for name in description.fields}
+    images = {key: np.stack([row[it] for row in samples.rows]) for it, key in description.cameras().items()}
+    depths = {key: np.stack([row[f"{it}-depth"] for row in samples.rows]) for it, key in description.deep().items()}
+    return Episode(fields, images, depths, actions, rewards_of(times, told["pegs"]), facts)
 
 
 def rewards_of(times: NDArray[np.float64], seated: list[float | None]) -> NDArray[np.float32]:

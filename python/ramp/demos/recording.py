@@ -7,7 +7,7 @@ import shutil
 import subprocess
 from typing import Any
 
-from ramp._core import InputError
+from ramp._core import InputError, benchmark
 from ramp.demos import logs
 from ramp.demos.collect import Record
 from ramp.demos.episode import Description, Episode
@@ -27,7 +27,8 @@ def _of_skill(asked: dict[str, Any]) -> Recording:
     from ramp.demos.skills import SkillRecorder
 
     names = ("goals", "world", "start", "track", "belief_error")
-    recorder = SkillRecorder(asked["what"], size=asked["image_size"], **{name: asked[name] for name in names})
+    views = {"size": asked["image_size"], "depth": asked["depth"]}
+    recorder = SkillRecorder(asked["what"], **views, **{name: asked[name] for name in names})
     if asked["rate"] != recorder.description.rate:
         raise InputError(f"the policy of `{asked['what']}` acts {recorder.description.rate} times a second")
 
@@ -40,7 +41,10 @@ def _of_skill(asked: dict[str, Any]) -> Recording:
 def _of_goal(asked: dict[str, Any], program: str) -> Recording:
     options = {name: asked[name] for name in ("world", "start", "track")}
     arguments = options | ({"agent": asked["agent"]} if asked["agent"] else {})
-    description = logs.describe(asked["rate"], asked["image_size"], "goal", {"arguments": arguments})
+    description = logs.describe(
+        asked["rate"], "goal", {"arguments": arguments},
+        size=asked["image_size"], depth=asked["depth"], touch=benchmark().has_touch(asked["world"]),
+    )  # fmt: skip
 
     def one(index: int, stage: pathlib.Path) -> Episode:
         log = stage / f"episode-{index:06d}.mcap"
@@ -66,7 +70,12 @@ def _from_logs(asked: dict[str, Any]) -> Recording:
         if not found:
             raise InputError(f"{path}: there is no log in this folder")
         files += found
-    description = logs.describe(asked["rate"], asked["image_size"], "logs", {})
+    touch = logs.has_touch(files[0])
+    for file in files[1:]:
+        if logs.has_touch(file) != touch:
+            have, lack = (files[0], file) if touch else (file, files[0])
+            raise InputError(f"{have} has tactile sensors, and {lack} has none: make a data set of each")
+    description = logs.describe(asked["rate"], "logs", {}, size=asked["image_size"], depth=asked["depth"], touch=touch)
 
     def one(index: int, stage: pathlib.Path) -> Episode:
         episode = logs.record(files[index], description)

@@ -70,7 +70,7 @@ def _skill(told: dict[str, Any]) -> Any:
 
 def _logs(folder: pathlib.Path, told: dict[str, Any]) -> Any:
     """Runs the logs of a data set again, and compares the actions, too."""
-    description = logs.describe(int(told["rate"]), 0, str(told["kind"]), {})
+    description = logs.describe(int(told["rate"]), str(told["kind"]), {})
 
     def play(facts: dict[str, Any], actions: NDArray[np.float32]) -> str | None:
         name = pathlib.PurePosixPath(facts["log"]).name

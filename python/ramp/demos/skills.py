@@ -5,10 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ramp._core import InputError, benchmark
 from ramp._register import SKILLS, problem
-from ramp.demos.episode import CAMERAS, Description, Episode
+from ramp.demos.episode import CAMERAS, DEPTH_UNIT, Description, Episode
 from ramp.policies import fasten
 
 STARTS = (1, 0)
@@ -27,7 +28,16 @@ class SkillRecorder:
     """Records episodes of a skill, by the policy that comes with the package."""
 
     def __init__(
-        self, skill: str, *, goals: list[str], world: str, start: str, track: str, belief_error: float, size: int
+        self,
+        skill: str,
+        *,
+        goals: list[str],
+        world: str,
+        start: str,
+        track: str,
+        belief_error: float,
+        size: int,
+        depth: bool,
     ) -> None:
         """Makes the environment; the arguments are those of the environments."""
         if (wrong := problem()) is not None:
@@ -41,12 +51,11 @@ class SkillRecorder:
         }  # fmt: skip
         name = next(name for name, value in SKILLS.items() if value == skill)
         self.id = f"RAMP/{name}-v0"
-        self.size = size
-        views = {"cameras": list(CAMERAS), "image_size": size} if size else {}
+        views = {"cameras": list(CAMERAS), "image_size": size, "depth": depth} if size else {}
         self.env = make(self.id, self.arguments | views)
         fields = {name: int(np.prod(shape)) for name, shape, _, _ in self.env.core.fields()}
         source = {"kind": "skill", "environment": self.id, "arguments": self.arguments, "policy": "fasten.npy"}
-        self.description = Description(round(fasten.RATE), fields, ACTIONS, size, source)
+        self.description = Description(round(fasten.RATE), fields, ACTIONS, size, depth, source)
         self.weights = fasten.load()
 
     def record(self, seed: int) -> Episode:
@@ -74,9 +83,16 @@ class SkillRecorder:
             "state": self.env.core.state_hash,
         }
         fields = {key: np.stack([row[key].ravel() for row in rows]) for key in self.description.fields}
-        cameras = CAMERAS if self.size else {}
-        images = {key: np.stack([row[camera] for row in rows]) for camera, key in cameras.items()}
-        return Episode(fields, images, np.stack(actions), np.asarray(rewards, np.float32), facts)
+        images = {key: np.stack([row[it] for row in rows]) for it, key in self.description.cameras().items()}
+        deep = self.description.deep()
+        depths = {key: np.stack([units(row[f"{it}-depth"]) for row in rows]) for it, key in deep.items()}
+        return Episode(fields, images, depths, np.stack(actions), np.asarray(rewards, np.float32), facts)
+
+
+def units(distances: NDArray[np.float32]) -> NDArray[np.uint16]:
+    """A depth image of an environment, m, as one of a data set: 0 for what it cannot hold."""
+    counts = np.round(distances / DEPTH_UNIT)
+    return np.where(counts <= np.iinfo(np.uint16).max, counts, 0).astype(np.uint16)[..., None]
 
 
 def make(environment: str, arguments: dict[str, Any]) -> Any:

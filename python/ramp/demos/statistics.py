@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ramp.demos.episode import DEPTH_UNIT
+
 QUANTILES = (1, 10, 50, 90, 99)
 """Which quantiles are told, %."""
 
@@ -26,44 +28,57 @@ def of_rows(rows: NDArray[Any]) -> dict[str, list[Any]]:
     return told
 
 
-class Colours:
+class Counts:
     """How often each value of each channel occurs in some images."""
 
-    def __init__(self) -> None:
-        self.counts = np.zeros((3, 256), np.int64)
+    def __init__(self, channels: int, values: int, unit: float) -> None:
+        """For images of that many channels and possible values, counted in a unit."""
+        self.counts = np.zeros((channels, values), np.int64)
+        self.unit = unit
         self.images = 0
 
-    def add(self, images: NDArray[np.uint8]) -> None:
-        """Counts images of shape (T, height, width, 3)."""
-        for channel in range(3):
-            self.counts[channel] += np.bincount(images[..., channel].ravel(), minlength=256)
+    @staticmethod
+    def of_colours() -> Counts:
+        """For red, green and blue from 0 to 1, stored in 8 bits."""
+        return Counts(3, 256, 1.0 / 255.0)
+
+    @staticmethod
+    def of_depths() -> Counts:
+        """For distances in m, stored in 16 bits."""
+        return Counts(1, 1 << 16, DEPTH_UNIT)
+
+    def add(self, images: NDArray[Any]) -> None:
+        """Counts images of shape (T, height, width, channels)."""
+        for channel, counts in enumerate(self.counts):
+            counts += np.bincount(images[..., channel].ravel(), minlength=len(counts))
         self.images += len(images)
 
-    def __iadd__(self, other: Colours) -> Colours:
+    def __iadd__(self, other: Counts) -> Counts:
         self.counts += other.counts
         self.images += other.images
         return self
 
     def told(self) -> dict[str, list[Any]]:
-        """The statistics of values from 0 to 1, shape (3, 1, 1)."""
-        values = np.arange(256) / 255.0
+        """The statistics, in units, shape (channels, 1, 1)."""
+        last = self.counts.shape[1] - 1
+        values = np.arange(last + 1) * self.unit
         total = self.counts.sum(1)
         mean = self.counts @ values / total
         spread = np.sqrt(np.maximum(self.counts @ values**2 / total - mean**2, 0.0))
         reached = np.cumsum(self.counts, axis=1)
 
         def shaped(numbers: Any) -> list[Any]:
-            wrapped: list[Any] = np.asarray(numbers, float).reshape(3, 1, 1).tolist()
+            wrapped: list[Any] = np.asarray(numbers, float).reshape(-1, 1, 1).tolist()
             return wrapped
 
         told = {
             "min": shaped([values[np.argmax(row > 0)] for row in self.counts]),
-            "max": shaped([values[255 - np.argmax(row[::-1] > 0)] for row in self.counts]),
+            "max": shaped([values[last - np.argmax(row[::-1] > 0)] for row in self.counts]),
             "mean": shaped(mean),
             "std": shaped(spread),
             "count": [self.images],
         }
         for share in QUANTILES:
             at = [np.searchsorted(row, share / 100 * row[-1]) for row in reached]
-            told[f"q{share:02d}"] = shaped([values[min(it, 255)] for it in at])
+            told[f"q{share:02d}"] = shaped([values[min(it, last)] for it in at])
         return told

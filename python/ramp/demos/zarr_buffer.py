@@ -33,6 +33,7 @@ def write(folder: pathlib.Path, description: Description, episodes: Iterable[Epi
     for episode in episodes:
         rows: dict[str, NDArray[Any]] = {name: value[:-1] for name, value in episode.observations.items()}
         rows |= {f"{key}_image": value[:-1] for key, value in episode.images.items()}
+        rows |= {f"{key}_depth": value[:-1] for key, value in episode.depths.items()}
         rows |= {"state": episode.state()[:-1], "action": episode.actions, "reward": episode.rewards}
         first = ends[-1] if ends else 0
         for name, values in rows.items():

@@ -87,6 +87,6 @@ def _demonstrate(log: pathlib.Path, folder: pathlib.Path, form: str, settings: S
     """Makes the data set of a log, as ``ramp demos --log`` does."""
     asked = {
         "what": None, "skill": False, "logs": [str(log)], "rate": settings.rate,
-        "image_size": settings.demonstration_size, "format": form, "output": str(folder), "program": "",
+        "image_size": settings.demonstration_size, "depth": False, "format": form, "output": str(folder), "program": "",
     }  # fmt: skip
     record(asked)

@@ -192,7 +192,10 @@ impl<'a> Photographer<'a> {
         let mut sensor = Sensor::new(own_seed, camera.name());
         let renderer = &mut self.renderers[usize::from(bird)];
         if !self.tags {
-            let looks = cameras::looks_in_world(&self.looks, &self.assembly.kit, &physics, own_seed);
+            let kit = &self.assembly.kit;
+            let names = kit.beams.iter().map(|it| &it.name).chain(kit.pegs.iter().map(|it| &it.name));
+            let names = names.map(String::as_str);
+            let looks = cameras::looks_in_world(&self.looks, kit, names, (&physics, own_seed));
             *renderer = Renderer::new(looks, &real);
         }
         let pixels = renderer.render(&scene, &x_wc, &mut sensor);

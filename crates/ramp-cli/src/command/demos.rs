@@ -54,6 +54,9 @@ pub struct Arguments {
     /// Pixels along each side of an image, or 0 for none
     #[arg(long, value_name = "PIXELS", default_value_t = 96, value_parser = image_size)]
     image_size: u32,
+    /// Record the depth of each image as well
+    #[arg(long)]
+    depth: bool,
     /// Format of the data set
     #[arg(long, value_enum, default_value_t = Format::Lerobot)]
     format: Format,
@@ -125,6 +128,7 @@ pub fn run(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
         "agent": arguments.agent,
         "rate": arguments.rate,
         "image_size": arguments.image_size,
+        "depth": arguments.depth,
         "seed": arguments.first_seed,
         "episodes": arguments.episodes,
         "format": arguments.format.name(),
@@ -146,6 +150,9 @@ fn check(data: &Data, arguments: &Arguments) -> Result<bool, Report> {
     }
     if !skill && (!arguments.goal.is_empty() || arguments.belief_error > 0.0) {
         return Err(miette!("`--goal` and `--belief-error` belong to a skill, such as `fasten`"));
+    }
+    if arguments.depth && arguments.image_size == 0 {
+        return Err(miette!("`--depth` belongs to images, and `--image-size 0` asks for none"));
     }
     if skill && arguments.agent.is_some() {
         return Err(miette!("`--agent` builds a goal, and `{what}` is a skill"));

@@ -81,6 +81,15 @@ impl Renderer {
         }
     }
 
+    /// Draws with other meshes and textures from now on, those of another episode.
+    pub fn dress(&mut self, looks: Arc<Looks>) {
+        if !Arc::ptr_eq(&looks.sheet, &self.looks.sheet) {
+            self.bare = bare(&looks);
+            self.nodes_from = None;
+        }
+        self.looks = looks;
+    }
+
     /// Meshes and textures that it draws.
     pub fn looks(&self) -> &Looks {
         &self.looks
