@@ -431,10 +431,7 @@ pub fn run(
         let mut told = Interrupts::new();
         let mut watcher = |now: &Progress, twin: &Twin| {
             if let Some(pictures) = &pictures {
-                let mut onlooker = pictures.get().onlooker.lock().unwrap_or_else(PoisonError::into_inner);
-                if let Err(error) = onlooker.look(twin) {
-                    raised.keep(input(error));
-                }
+                pictures.get().look(twin).unwrap_or_else(|error| raised.keep(error));
             }
             let Some(progress) = progress.as_ref().filter(|_| !raised.is_there()) else { return };
             if let Some(Err(error)) = told

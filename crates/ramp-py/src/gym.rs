@@ -13,6 +13,7 @@ use ramp_gym::{
     ActionKind, Batch as InnerBatch, Begin, Env as Inner, Frame, Onlooker, Options, Scenario, Step, View,
     Weights, onlooker,
 };
+use ramp_twin::Twin;
 
 use crate::convert::{Numbers, all, camera, picture, seven};
 use crate::errors::{data, detached, env as env_error, input, scenario as scenario_error};
@@ -136,7 +137,14 @@ pub struct Env {
 /// Pictures for a person of an episode that runs elsewhere: it looks now and then, and draws when asked.
 #[pyclass(frozen, module = "ramp._ramp")]
 pub struct EpisodePictures {
-    pub onlooker: Mutex<Onlooker>,
+    onlooker: Mutex<Onlooker>,
+}
+
+impl EpisodePictures {
+    /// Looks at the twin; only [`EpisodePictures::picture`] draws.
+    pub fn look(&self, twin: &Twin) -> PyResult<()> {
+        self.onlooker.lock().unwrap_or_else(PoisonError::into_inner).look(twin).map_err(input)
+    }
 }
 
 #[pymethods]
