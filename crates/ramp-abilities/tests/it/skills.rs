@@ -13,7 +13,7 @@ use ramp_skills::{Fault, Parameters, Pose, SkillError, SkillTable};
 use ramp_testing::GoalFiles;
 use ramp_testing::episode::domains;
 use ramp_testing::robot::{Alteration, Altered};
-use ramp_twin::{Start, Twin};
+use ramp_twin::{Start, Twin, World};
 
 /// The insertion path that the goal's own order of insertions gives a beam.
 fn path(insertion: &Insertion) -> (usize, InsertionPath) {
@@ -288,6 +288,44 @@ fn a_beam_is_regrasped_by_another_link_and_inserted() {
     let place = world.assembly.kit.x_wa() * world.assembly.beams[b5].x_ab;
     let off = (b5_at.translation.vector - place.translation.vector).norm();
     assert!(off < 2.0e-3, "b5 stands {:.2} mm from its place", off * 1e3);
+}
+
+/// A gripper with a dead time gets the command to open while the last millimetres of the peg sink: the peg is
+/// in all the same, and it takes less time.
+#[test]
+fn slow_fingers_open_when_the_peg_is_in() {
+    let world = GoalFiles::new("easy-3");
+    let planner = PathPlanner::new(&world.arm);
+    let real = World::read(&ramp_testing::data().join("worlds/real.toml")).unwrap();
+    let b4 = world.assembly.beam_index("b4").unwrap();
+    let connection = world.assembly.connection_index("C1").unwrap();
+    let mut took = Vec::new();
+    for ahead in [0.0, Parameters::baseline().press.ahead] {
+        let mut parameters = (*Parameters::baseline()).clone();
+        parameters.press.ahead = ahead;
+        let mut twin = world.twin_in(&real, 5);
+        let mut cell = cell(&world, &planner, &mut twin);
+        cell.parameters = parameters.clone().into();
+        pick_up(&mut cell, "b4", Some("b4l2"));
+        approach_beam(&mut cell, b4);
+        assemble(&mut cell, b4);
+        pick_up(&mut cell, "p1", None);
+        approach_hole(&mut cell, connection);
+        let begun = cell.hand.time();
+        let call = FineAction::Fasten {
+            connection: "C1".to_string(),
+            female: String::new(),
+            male: String::new(),
+            peg: "p1".to_string(),
+        };
+        SkillTable::default().execute(&mut cell, &Call::alone(&call)).unwrap();
+        took.push(cell.hand.time() - begun);
+        drop(cell);
+        let mut referee = ramp_referee::Referee::new(&world.assembly, twin.part_names());
+        referee.watch(&twin.truth(), 0.0);
+        assert!(referee.verdict()[connection].is_some(), "p1 is not in, {ahead} m ahead");
+    }
+    assert!(took[1] < took[0] - 0.1, "{took:?} s");
 }
 
 /// Fingers that spring back on a peg as far as they had been open, and close only when they are opened, are

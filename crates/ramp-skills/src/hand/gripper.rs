@@ -41,6 +41,19 @@ impl Hand<'_> {
         Ok(())
     }
 
+    /// Commands the fingers to open, if they begin to follow a command only after a dead time that is known.
+    /// Returns the robot time (s) until which they surely stay as they are; `None` if nothing was commanded.
+    pub fn open_ahead(&mut self, width: f64, force: f64) -> Option<f64> {
+        let least = self.dead_time.least.filter(|_| !self.seen.gripper_busy)?;
+        self.gripper = GripperCommand { width, force };
+        Some(self.time() + least)
+    }
+
+    /// Whether the fingers are commanded to open wider than they are.
+    pub fn opens(&self) -> bool {
+        self.gripper.width > self.seen.width + self.parameters.opened
+    }
+
     /// Repeats the last command until the gripper has carried out its command.
     ///
     /// # Errors

@@ -23,13 +23,14 @@ impl Hand<'_> {
         speed: f64,
         stop: impl FnMut(&Hand) -> bool,
     ) -> Result<bool, SkillError> {
-        self.drive_trimmed(x_wt, speed, None, stop)
+        self.drive_trimmed(x_wt, (speed, self.parameters.acceleration), None, stop)
     }
 
     /// The same along a line that the tip must keep. Friction moves the tip off its line; the setpoint is
     /// corrected until the tip is on the line again, within the bounds of the trim. The line ends where the
     /// tip `arrives` (world), in the orientation of that pose throughout. Without that pose, it is the line
-    /// on which the tip keeps its distance from the setpoint.
+    /// on which the tip keeps its distance from the setpoint. Largest speed (m/s) and acceleration (m/s²) are
+    /// the motion's own.
     ///
     /// # Errors
     /// [`Fault::Overload`](crate::Fault::Overload), and the robot's.
@@ -37,25 +38,23 @@ impl Hand<'_> {
         &mut self,
         x_wt: &Pose,
         arrives: Option<&Pose>,
-        speed: f64,
+        (speed, acceleration): (f64, f64),
         stop: impl FnMut(&Hand) -> bool,
     ) -> Result<bool, SkillError> {
         let trim = Trim::new(self, x_wt, arrives);
-        self.drive_trimmed(x_wt, speed, Some(trim), stop)
+        self.drive_trimmed(x_wt, (speed, acceleration), Some(trim), stop)
     }
 
     fn drive_trimmed(
         &mut self,
         x_wt: &Pose,
-        speed: f64,
+        (speed, acceleration): (f64, f64),
         mut trim: Option<Trim>,
         mut stop: impl FnMut(&Hand) -> bool,
     ) -> Result<bool, SkillError> {
         let from = self.setpoint;
         let distance = (x_wt.translation.vector - from.translation.vector).norm();
         let angle = from.rotation.angle_to(&x_wt.rotation);
-        let acceleration =
-            trim.as_ref().map_or(self.parameters.acceleration, |trim| trim.parameters.acceleration);
         let shift = SpeedProfile::new(distance, speed, acceleration);
         let turn = SpeedProfile::new(angle, self.parameters.turn_speed, self.parameters.turn_acceleration);
         let way = if shift.duration() > turn.duration() { shift } else { turn };

@@ -59,8 +59,12 @@ parameters! {
         /// Force with which a beam is pressed flat on the table. At the beam's end it rotates the hand by as
         /// much as friction does.
         press: f64 = "N", 0.5, 50.0;
-        /// Speed of that descent. Chosen.
+        /// Speed of that descent. Chosen: the impact stays far below the limits of the arm.
         press_speed: f64 = "m/s", 1e-4, 0.1;
+        /// Speed of the setpoint while the force grows after the contact. Chosen.
+        load_speed: f64 = "m/s", 1e-4, 0.1;
+        /// How far the beam is raised off the table afterwards. Chosen: above its sag and the arm's noise.
+        raise: f64 = "m", 0.0, 0.02;
         /// Depth of the setpoint below the believed table: the deflection of the hand's stiffness and the
         /// error of the height.
         further: f64 = "m", 0.0, 0.02;
@@ -187,6 +191,11 @@ parameters! {
         /// Speed over that distance. At 0.04 m/s the impact force is 43 N with the drives of an FR3, at this
         /// speed 25 N.
         landing_speed: f64 = "m/s", 0.001, 0.5;
+        /// Distance to the plate from which slow fingers are commanded to open: the way from there takes less
+        /// than the dead time of a Franka hand.
+        ahead: f64 = "m", 0.0, 0.03;
+        /// Time before the fingers may open at which the press ends. Chosen.
+        hold: f64 = "s", 0.0, 1.0;
         /// Time without sinking after which the peg has landed and the force grows fast.
         landed: f64 = "s", 0.0, 10.0;
         /// Radius of the circle that keeps a peg from jamming.

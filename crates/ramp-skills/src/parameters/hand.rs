@@ -51,8 +51,6 @@ parameters! {
     TrimParameters {
         /// Time in which the tip returns to its line. Chosen: several times that of the hand's impedance.
         time: f64 = "s", 0.02, 10.0;
-        /// Acceleration of such a motion. Chosen: the tip returns to its line within the first millimetres.
-        acceleration: f64 = "m/s²", 0.01, 10.0;
         /// Largest shift of the setpoint: with the hand's stiffness, a force equal to friction.
         most: f64 = "m", 0.0, 0.01;
         /// Largest rotation of the setpoint.

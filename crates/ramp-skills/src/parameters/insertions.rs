@@ -9,6 +9,13 @@ parameters! {
         lowest: f64 = "m", 0.0, 0.02;
         /// Speed of an insertion. Chosen.
         speed: f64 = "m/s", 1e-3, 0.5;
+        /// Its acceleration. Chosen: the tip returns to its line within the first millimetres.
+        acceleration: f64 = "m/s²", 0.01, 10.0;
+        /// Speed of a push through a sleeve that little holds: faster, and the sleeve is dragged along before
+        /// the force tells it.
+        loose_speed: f64 = "m/s", 1e-3, 0.5;
+        /// Acceleration of such a push.
+        loose_acceleration: f64 = "m/s²", 0.01, 10.0;
         /// Speed before the males come to the mouths of their joints. Chosen.
         free_speed: f64 = "m/s", 1e-3, 0.5;
         /// Distance from its place at which a male reaches the mouth of its joint: it stalls there at 35 mm

@@ -9,6 +9,7 @@ use ramp_robot::{Cause, EventKind, Retry};
 use crate::cell::Workcell;
 use crate::fault::{Fault, SkillError};
 use crate::grasp::peg_grasps;
+use crate::parameters::Parameters;
 use ramp_robot::PERIOD;
 
 impl Workcell<'_, '_> {
@@ -52,6 +53,8 @@ impl Workcell<'_, '_> {
 
     /// Presses the peg down with growing force and a small circle, until it is seated, or sinks no further:
     /// soon where its head seems to be at the plate, and after a while where it stands on the joint below.
+    /// Shortly before the plate, fingers with a dead time are commanded to open; the press ends before they
+    /// do.
     pub fn press(&mut self, connection: usize, peg: &str) -> Result<(), SkillError> {
         let begin = self.hand.time();
         let plate = self.belief.mouth(connection)?.z;
@@ -61,6 +64,7 @@ impl Workcell<'_, '_> {
         let (mut lowest_seen, mut sunk_at) = (f64::INFINITY, 0.0);
         // A held peg creeps in the fingers under load: a blocked peg seems to sink slowly.
         let (mut stands_at, mut pressed_at) = (f64::INFINITY, 0.0);
+        let mut opens_at = None;
         self.hand.setpoint.translation = self.hand.seen.x_wt.translation;
         while self.hand.time() - begin < self.parameters.press.time {
             let elapsed = self.hand.time() - begin;
@@ -75,6 +79,14 @@ impl Workcell<'_, '_> {
             let lead = force / self.hand.stiffness.z;
             let gap = self.hand.x_wp_held().map_or(0.0, |x_wp| x_wp.translation.z - plate);
             let lands = gap < self.parameters.press.landing;
+            if opens_at.is_none() && gap.max(self.belief.gap(connection, peg)?) < self.parameters.press.ahead
+            {
+                let Parameters { press, grip, .. } = &*self.parameters;
+                opens_at = self.hand.open_ahead(grip.peg_open, grip.opening_force).map(|at| at - press.hold);
+            }
+            if opens_at.is_some_and(|at| self.hand.time() > at) {
+                break;
+            }
             // Once its head has landed the force may grow fast.
             let landing = lands && elapsed - sunk_at < self.parameters.press.landed;
             let speed =

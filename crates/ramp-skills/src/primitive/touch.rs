@@ -41,6 +41,13 @@ impl Workcell<'_, '_> {
         let limit = self.parameters.touch.press;
         let touched =
             self.hand.drive(&down, self.parameters.touch.press_speed, |hand| rise.sense(hand) > limit)?;
+        if touched {
+            // The impact has stopped the hand: now it presses.
+            self.hand.relax();
+            let mut press = self.hand.setpoint;
+            press.translation.z -= limit / self.hand.stiffness.z;
+            self.hand.go(&press, self.parameters.touch.load_speed)?;
+        }
         self.hand.wait(self.parameters.touch.flat)?;
         self.belief.parts.follow(&self.hand);
         if touched {
@@ -52,6 +59,10 @@ impl Workcell<'_, '_> {
             }
             let (part, off) = (placed.name.clone(), off.to_vec());
             self.record(EventKind::Touched { part, surface: Surface::Table, off });
+            self.hand.relax();
+            let mut off_table = self.hand.setpoint;
+            off_table.translation.z += self.parameters.touch.raise;
+            return self.hand.go(&off_table, self.parameters.touch.back_speed);
         }
         self.hand.go(&before, self.parameters.touch.back_speed)
     }

@@ -115,7 +115,7 @@ impl Assemble {
                 return self.insertion.back_out(cell, beam, &direction, remaining, pushed.force);
             }
         }
-        self.seat(cell, beam, &aim.goal, height, limit, loose)
+        self.seat(cell, beam, &aim.goal, height, (limit, loose), pushed.stopped)
     }
 
     /// The force at which a push stops, N.
@@ -171,15 +171,16 @@ impl Assemble {
     }
 
     /// Brings a held beam that is in its joints to `goal` by detections. The remaining distance is mostly a
-    /// fraction of a millimetre; a larger one needs the compliant search.
+    /// fraction of a millimetre; a larger one needs the compliant search. A push that nothing has `stopped`
+    /// has brought the beam to where its place was known to be: it needs another one only if a look tells so.
     fn seat(
         &self,
         cell: &mut Workcell,
         beam: usize,
         goal: &Pose,
         height: f64,
-        limit: f64,
-        loose: bool,
+        (limit, loose): (f64, bool),
+        stopped: bool,
     ) -> Result<(), SkillError> {
         let name = cell.assembly.beams[beam].beam.name.clone();
         let direction = cell.belief.insertion_direction(beam, goal)?;
@@ -187,11 +188,13 @@ impl Assemble {
         // beam at its far end.
         let enough = 2.0 * cell.parameters.search.seated;
         let mut before = f64::INFINITY;
-        for _ in 0..cell.parameters.insertion.tries {
-            let x_wp = cell.belief.parts.pose(&name)?;
-            let fine = cell.hand.corrected(&x_wp, &(Translation3::new(0.0, 0.0, height) * goal));
-            cell.hand.drive(&fine, self.parameters.seat_speed, |hand| hand.force().norm() > limit)?;
-            cell.hand.wait(cell.parameters.insertion.rest)?;
+        for attempt in 0..cell.parameters.insertion.tries {
+            if stopped || attempt > 0 {
+                let x_wp = cell.belief.parts.pose(&name)?;
+                let fine = cell.hand.corrected(&x_wp, &(Translation3::new(0.0, 0.0, height) * goal));
+                cell.hand.drive(&fine, self.parameters.seat_speed, |hand| hand.force().norm() > limit)?;
+                cell.hand.wait(cell.parameters.insertion.rest)?;
+            }
             cell.see(&[cell.belief.middle(&name)], cell.parameters.insertion.known)?;
             let remaining = cell.belief.remaining(&name, goal, &direction)?;
             if remaining < cell.parameters.search.seated
@@ -226,7 +229,7 @@ impl Assemble {
         cell.hand.zero()?;
         cell.compliant_search(&name, &goal, &direction, &cell.compliance(loose))?;
         let limit = self.limit(cell, loose);
-        let seated = self.seat(cell, beam, &goal, 0.0, limit, loose);
+        let seated = self.seat(cell, beam, &goal, 0.0, (limit, loose), true);
         cell.settle(beam)?;
         cell.release()?;
         cell.belief.reckon_heights(beam);

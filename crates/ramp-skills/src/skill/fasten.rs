@@ -205,7 +205,7 @@ impl Fasten {
         }
         // The look after the hand is off is more accurate. If the peg is too high, it is then pressed again
         // by its head.
-        if cell.belief.gap(connection, peg)? < cell.parameters.press.nearly {
+        if cell.belief.gap(connection, peg)? < cell.parameters.press.nearly || cell.hand.opens() {
             return Ok(());
         }
         cell.see_gap(connection, peg)?;

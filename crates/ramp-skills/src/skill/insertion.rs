@@ -158,7 +158,10 @@ impl Insertion {
         let arrives = arrive.map(|x_wp| x_wp * x_pt);
         let mut rise = Rise::new(direction, &cell.parameters.rise);
         let loose = !aim.loose.is_empty();
-        let stopped = cell.hand.drive_in_line(target, arrives.as_ref(), self.parameters.speed, |hand| {
+        let InsertionParameters { speed, acceleration, loose_speed, loose_acceleration, .. } =
+            self.parameters;
+        let pace = if loose { (loose_speed, loose_acceleration) } else { (speed, acceleration) };
+        let stopped = cell.hand.drive_in_line(target, arrives.as_ref(), pace, |hand| {
             let met = if loose { rise.sense(hand) } else { hand.force().dot(&direction) };
             met > limit
         })?;
