@@ -1,7 +1,7 @@
 //! The cell of a served twin, beside Franka's protocol: lines of JSON, over a connection of its own. An
 //! image's pixels follow their line.
 
-use ramp_robot::{Camera, PartReading, Pose};
+use ramp_robot::{Camera, FingerTouch, PartReading, Pose};
 use serde::{Deserialize, Serialize};
 
 /// The question of a client.
@@ -12,6 +12,8 @@ pub enum Question {
     Parts,
     /// The shutters are to open while the arm moves.
     Expose,
+    /// What the fingers feel.
+    Touch,
     /// An image.
     Image {
         /// Of this camera.
@@ -33,6 +35,11 @@ pub enum Answer {
     Parts {
         /// One for each part that was seen.
         parts: Vec<Reading>,
+    },
+    /// What the fingers feel, first the one at +y of the tip.
+    Touch {
+        /// Of each finger.
+        fingers: [Finger; 2],
     },
     /// The image comes after this number of control periods.
     Wait {
@@ -58,6 +65,15 @@ pub struct Reading {
     pub x_wp: Numbers,
     /// Standard deviations, m and rad.
     pub sigma: [f64; 2],
+}
+
+/// The reading of the tactile sensor of a finger, as [`ramp_robot::FingerTouch`].
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
+pub struct Finger {
+    /// N, axes of the tip.
+    pub force: [f64; 3],
+    /// m; `None` while the finger presses too lightly.
+    pub centre: Option<[f64; 2]>,
 }
 
 /// The head of an image.
@@ -106,6 +122,18 @@ impl From<&PartReading> for Reading {
 impl From<Reading> for PartReading {
     fn from(reading: Reading) -> PartReading {
         PartReading { part: reading.part, x_wp: reading.x_wp.into(), sigma: reading.sigma }
+    }
+}
+
+impl From<&FingerTouch> for Finger {
+    fn from(finger: &FingerTouch) -> Finger {
+        Finger { force: finger.force.into(), centre: finger.centre }
+    }
+}
+
+impl From<Finger> for FingerTouch {
+    fn from(finger: Finger) -> FingerTouch {
+        FingerTouch { force: finger.force.into(), centre: finger.centre }
     }
 }
 

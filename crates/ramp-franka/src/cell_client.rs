@@ -3,6 +3,8 @@
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
 
+use ramp_robot::Touch;
+
 use crate::cell::{Answer, ImageHead, Question};
 use crate::error::FrankaError;
 
@@ -14,6 +16,8 @@ const LARGEST: usize = 1 << 26;
 pub(crate) struct Cell {
     address: String,
     stream: BufReader<TcpStream>,
+    /// The answer about the fingers is on its way.
+    feels: bool,
 }
 
 impl Cell {
@@ -21,15 +25,38 @@ impl Cell {
         let failed = |error| FrankaError::Cell { address: address.to_string(), error };
         let stream = TcpStream::connect(address).map_err(failed)?;
         stream.set_nodelay(true).map_err(failed)?;
-        Ok(Cell { address: address.to_string(), stream: BufReader::new(stream) })
+        Ok(Cell { address: address.to_string(), stream: BufReader::new(stream), feels: false })
     }
 
     /// Asks, and waits for the answer.
     pub fn ask(&mut self, question: &Question) -> Result<Answer, FrankaError> {
+        self.touch_asked()?;
+        self.send(question)?;
+        self.answer()
+    }
+
+    /// Asks what the fingers feel, without waiting: [`Cell::touch_asked`] has the answer.
+    pub fn ask_touch(&mut self) -> Result<(), FrankaError> {
+        self.feels = true;
+        self.send(&Question::Touch)
+    }
+
+    /// What the fingers felt when they were last asked; `None` if they were not, or have no sensors.
+    pub fn touch_asked(&mut self) -> Result<Option<Touch>, FrankaError> {
+        if !std::mem::take(&mut self.feels) {
+            return Ok(None);
+        }
+        match self.answer()? {
+            Answer::Touch { fingers } => Ok(Some(Touch { fingers: fingers.map(Into::into) })),
+            Answer::Refused { .. } => Ok(None),
+            other => Err(self.unexpected(&other)),
+        }
+    }
+
+    fn send(&mut self, question: &Question) -> Result<(), FrankaError> {
         let mut line = serde_json::to_vec(question).map_err(|error| self.wrong(&error.to_string()))?;
         line.push(b'\n');
-        self.stream.get_mut().write_all(&line).map_err(|error| self.failed(error))?;
-        self.answer()
+        self.stream.get_mut().write_all(&line).map_err(|error| self.failed(error))
     }
 
     /// The next answer.

@@ -13,7 +13,7 @@ use crate::cell_client::Cell;
 use crate::connection::{Connection, Pace, Statistics};
 use crate::error::FrankaError;
 use crate::periods::Periods;
-use crate::touch::TouchSource;
+use crate::touch::{CellTouch, TouchSource};
 
 /// A connected arm.
 pub struct FrankaRobot {
@@ -25,6 +25,7 @@ pub struct FrankaRobot {
     arm: ArmModel,
     track: Track,
     touch: Option<Box<dyn TouchSource>>,
+    cell_touch: Option<CellTouch>,
     seen: Observation,
     failed: Option<RobotError>,
 }
@@ -40,10 +41,11 @@ impl FrankaRobot {
         settings: &ControllerSettings,
         track: Track,
     ) -> Result<FrankaRobot, FrankaError> {
-        let cell = connection.cell.as_deref().map(Cell::connect).transpose()?;
+        let mut cell = connection.cell.as_deref().map(Cell::connect).transpose()?;
         let periods = Periods::begin(connection, arm, settings)?;
         let seen = periods.observe()?;
-        Ok(FrankaRobot {
+        let cell_touch = cell.as_mut().map(|cell| CellTouch::of(cell, seen.time)).transpose()?.flatten();
+        let mut robot = FrankaRobot {
             periods,
             cell,
             cameras: None,
@@ -51,9 +53,12 @@ impl FrankaRobot {
             arm: arm.clone(),
             track,
             touch: None,
+            cell_touch,
             seen,
             failed: None,
-        })
+        };
+        robot.observe_now()?;
+        Ok(robot)
     }
 
     /// The same, with these models of its cameras, in the order of [`Camera::ALL`]. Without them they are the
@@ -83,14 +88,19 @@ impl FrankaRobot {
     /// Takes what arm and fingers report now.
     fn observe_now(&mut self) -> Result<(), FrankaError> {
         let seen = self.periods.observe()?;
-        self.seen = self.with_fingers(seen);
+        self.seen = self.with_fingers(seen)?;
         Ok(())
     }
 
     /// An observation of the arm, with what the fingers feel now.
-    fn with_fingers(&mut self, seen: Observation) -> Observation {
-        let touch = self.touch.as_mut().and_then(|source| source.newest());
-        Observation { touch, ..seen }
+    fn with_fingers(&mut self, seen: Observation) -> Result<Observation, FrankaError> {
+        let pace = self.periods.pace();
+        let touch = match (&mut self.touch, self.cell_touch.as_mut().zip(self.cell.as_mut())) {
+            (Some(source), _) => source.newest(),
+            (None, Some((sensors, cell))) => Some(sensors.newest(cell, seen.time, pace)?),
+            (None, None) => None,
+        };
+        Ok(Observation { touch, ..seen })
     }
 
     /// Numbers of the connection so far.
@@ -176,7 +186,8 @@ impl Robot for FrankaRobot {
         self.check_running()?;
         let seen = self.periods.step(command);
         let seen = self.kept(seen)?;
-        self.seen = self.with_fingers(seen);
+        let seen = self.with_fingers(seen).map_err(RobotError::from);
+        self.seen = self.kept(seen)?;
         Ok(self.seen.clone())
     }
 

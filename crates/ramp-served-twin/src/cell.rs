@@ -94,6 +94,10 @@ impl Cell {
                 parts: parts.iter().map(Into::into).collect(),
             }),
             Question::Expose => plant.twin.expose().map_or_else(refused, |()| Answer::Done),
+            Question::Touch => match plant.twin.observe().touch {
+                Some(touch) => Answer::Touch { fingers: touch.fingers.each_ref().map(Into::into) },
+                None => Answer::Refused { why: "the fingers have no tactile sensors".to_string() },
+            },
             Question::Image { camera, width } => self.begin_image(plant, *camera, *width),
         }
     }

@@ -1,12 +1,16 @@
 //! Motions, contacts and builds over the wire, beside the same in process.
 
+use std::sync::OnceLock;
+
 use nalgebra::{Translation3, Vector6};
 use ramp_franka::TouchSource;
 use ramp_robot::{
-    Agent, ArmCommand, Command, FingerTouch, GripperCommand, Impedance, Observation, Pose, Robot, Touch,
-    Track,
+    Agent, ArmCommand, Command, FingerTouch, GripperCommand, Impedance, Observation, Pose, Robot, RobotError,
+    Touch, Track,
 };
 use ramp_served_twin::{FciVersion, Pace};
+use ramp_testing::robot::{Alteration, Altered};
+use ramp_twin::World;
 
 use crate::served::{SEED, Served, goal_for, ideal, real, twin};
 
@@ -120,4 +124,33 @@ fn an_arm_has_the_tactile_sensors_that_are_given_to_it() {
     let arm = ArmCommand::JointPositions(robot.observe().positions);
     let stepped = robot.step(&Command { arm, gripper: GRIPPER }).unwrap();
     assert_eq!((first, pressed(stepped), pressed(robot.observe())), (1.0, 2.0, 2.0));
+}
+
+/// Keeps the forces that the fingers feel.
+struct Felt(Vec<[f64; 2]>);
+
+impl<R: Robot> Alteration<R> for &mut Felt {
+    fn after(&mut self, _: &R, _: &Command, seen: &Observation) -> Result<(), RobotError> {
+        self.0.push(seen.touch.unwrap().fingers.map(|finger| finger.force.y.abs()));
+        Ok(())
+    }
+}
+
+/// The cell of a served twin whose fingers have sensors tells what they feel while the baseline builds.
+#[test]
+fn a_served_twin_tells_what_its_fingers_feel() {
+    static WORLD: OnceLock<World> = OnceLock::new();
+    let world = WORLD.get_or_init(|| ideal().clone().with("touch.fitted", 1.0).unwrap());
+    let goal = goal_for(FciVersion::V5, "easy-1");
+    let served = Served::new(FciVersion::V5, world, Track::State, Pace::LockStep);
+    let mut robot = served.robot(&goal, world, Track::State, Pace::LockStep);
+    let mut felt = Felt(Vec::new());
+    goal.baseline(Track::State, SEED).run(&mut Altered { robot: &mut robot, alteration: &mut felt }).unwrap();
+    let Felt(told) = felt;
+    assert!(told[..1000].iter().flatten().all(|force| *force < 1.0));
+    let held = told.iter().filter(|forces| forces.iter().all(|force| *force > 5.0)).count();
+    assert!(held > told.len() / 4, "{held} of {}", told.len());
+    // A hundred readings a second.
+    let changes = told.windows(2).filter(|pair| pair[0] != pair[1]).count();
+    assert!(changes > told.len() / 40 && changes <= told.len() / 10 + 1, "{changes} of {}", told.len());
 }
