@@ -31,6 +31,14 @@ impl Task {
         (self != Task::Build).then(|| self.name())
     }
 
+    /// What its result counts, for a person.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Task::Build => "pegs",
+            Task::TakeApart => "parts back",
+        }
+    }
+
     /// The task of that name.
     pub fn named(name: &str) -> Option<Task> {
         Task::ALL.into_iter().find(|task| task.name() == name)
@@ -54,6 +62,15 @@ impl Assembly {
         let mut pegs: Vec<_> = pegs.iter().collect();
         pegs.sort_by_key(|peg| (peg.slot, rank(&peg.holder)));
         pegs.iter().take(self.connections.len()).map(|peg| peg.name.as_str()).collect()
+    }
+
+    /// How many of [`Task::unit`] the result of a task counts: one for each connection, or for each part that
+    /// is to be put back.
+    pub fn wanted(&self, task: Task) -> usize {
+        match task {
+            Task::Build => self.connections.len(),
+            Task::TakeApart => self.movable_parts().len(),
+        }
     }
 
     /// The parts of the built frame that are not clamped, in the order in which results list them: beams as

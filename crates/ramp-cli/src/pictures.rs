@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 
 use miette::Report;
-use ramp_assembly::Task;
 use ramp_episode::Progress;
 use ramp_twin::{Setup, Twin};
 
@@ -54,7 +53,7 @@ impl Pictures {
         }
         let film = arguments.video.as_ref().map(|path| Film::new(path, setup, arguments.video_from));
         let recording = arguments.rerun.as_ref().map(|path| Recording::new(path, setup));
-        let unit = if setup.task == Task::Build { "pegs" } else { "parts back" };
+        let unit = setup.task.unit();
         Ok(Pictures { film: film.transpose()?, recording: recording.transpose()?, unit, error: None })
     }
 

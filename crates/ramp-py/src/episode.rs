@@ -6,7 +6,6 @@ use std::sync::{Arc, Mutex, PoisonError};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use ramp_assembly::Task;
 use ramp_data::Texts;
 use ramp_episode::{
     EpisodeError, Label, Progress, Recorded, Watcher, check_given, record_episode, run_episode,
@@ -533,10 +532,7 @@ fn kept(
         goal: &setup.assembly.name,
         task: setup.task.told(),
         state: state.as_deref(),
-        count: match setup.task {
-            Task::Build => setup.assembly.connections.len(),
-            Task::TakeApart => setup.assembly.movable_parts().len(),
-        },
+        count: setup.assembly.wanted(setup.task),
         track: setup.track.name(),
         world: &world,
         seed: setup.seed,

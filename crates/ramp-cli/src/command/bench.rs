@@ -14,7 +14,7 @@ use serde_json::{Value, json};
 
 use super::episodes::{self, Batch, Episode, Outcome, Tapes};
 use super::seeds;
-use super::task::{self, unit};
+use super::task;
 use crate::columns::{Table, terminal_width};
 use crate::output::print;
 use crate::status::{DONE, INCOMPLETE};
@@ -263,7 +263,7 @@ impl Bench<'_> {
                 "completion",
                 "deviation",
                 "best",
-                unit(self.task()),
+                self.task().unit(),
                 "mean total time",
                 "robot",
                 "bound",
@@ -289,7 +289,7 @@ impl Bench<'_> {
                 text.push_str(heading);
                 heading = "";
                 let pegs = match it.finished {
-                    true => format!("{} of {} {}", it.counted, goal.count, unit(self.task())),
+                    true => format!("{} of {} {}", it.counted, goal.count, self.task().unit()),
                     false => "lost".to_string(),
                 };
                 let _ = writeln!(text, "  {} seed {}: {pegs}: {}", goal.name, it.episode.seed, it.reason);

@@ -23,7 +23,7 @@ use crate::command::agent;
 use crate::command::parts::Parts;
 use crate::command::run_view::{Display, Window, summary};
 use crate::command::station;
-use crate::command::task::{self, count, state_hash, unit};
+use crate::command::task::{self, state_hash};
 use crate::options::{ArmOption, StartOption, TrackName, WorldOption};
 use crate::output::{check_place, make_folder_of, print, write_file};
 use crate::pictures::{self, Pictures};
@@ -170,7 +170,7 @@ fn in_twin(data: &Data, arguments: &Arguments) -> Result<u8, Report> {
     let mut window = if arguments.view { Some(Window::open(&setup)?) } else { None };
     let mut pictures = Pictures::new(&arguments.pictures, &setup)?;
     make_folder_of(&log)?;
-    let display = Display::new(count(&assembly, setup.task), unit(setup.task));
+    let display = Display::new(assembly.wanted(setup.task), setup.task.unit());
     let complete = Cell::new(false);
     let inputs = agent::AgentSetup {
         setup: setup.clone(),
@@ -279,7 +279,7 @@ fn refuse_other(
         goal: &setup.assembly.name,
         task: setup.task.told(),
         state: state.as_deref(),
-        count: count(setup.assembly, setup.task),
+        count: setup.assembly.wanted(setup.task),
         track: setup.track.name(),
         world: &world,
         seed: arguments.seed,

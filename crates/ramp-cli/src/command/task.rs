@@ -77,16 +77,3 @@ impl Arguments {
 pub fn state_hash(state: &GivenState) -> String {
     StateInfo::of(&state.text).sha256
 }
-
-/// The number of pegs, or of parts that are to be put back.
-pub fn count(assembly: &Assembly, task: Task) -> usize {
-    match task {
-        Task::Build => assembly.connections.len(),
-        Task::TakeApart => assembly.movable_parts().len(),
-    }
-}
-
-/// The unit of a task, for a person.
-pub fn unit(task: Task) -> &'static str {
-    if task == Task::Build { "pegs" } else { "parts back" }
-}

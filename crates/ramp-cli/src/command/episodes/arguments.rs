@@ -10,7 +10,7 @@ use ramp_robot::Track;
 use super::batch::{Batch, BatchPolicy, BatchStart, BatchWorld};
 use super::goals::{BatchError, BatchGoal};
 use crate::command::agent;
-use crate::command::task::{self, count, state_hash};
+use crate::command::task::{self, state_hash};
 use crate::engine::Backend;
 use crate::options::{ArmOption, StartOption, TrackName, WorldOption};
 use crate::software::software;
@@ -66,7 +66,7 @@ impl Arguments {
             let assembly = batch.data.goal(&goal.argument)?;
             let state = task.state(&assembly, &start, &self.agent)?;
             goal.state = state.as_ref().map(state_hash);
-            goal.count = count(&assembly, task.task());
+            goal.count = assembly.wanted(task.task());
         }
         batch.task = Some(task);
         Ok(())
