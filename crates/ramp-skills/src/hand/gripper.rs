@@ -41,10 +41,11 @@ impl Hand<'_> {
         Ok(())
     }
 
-    /// Commands the fingers to open, if they begin to follow a command only after a dead time that is known.
-    /// Returns the robot time (s) until which they surely stay as they are; `None` if nothing was commanded.
-    pub fn open_ahead(&mut self, width: f64, force: f64) -> Option<f64> {
-        let least = self.dead_time.least.filter(|_| !self.seen.gripper_busy)?;
+    /// Commands the fingers to open if they are known to follow a command only after a dead time of at least
+    /// `within`, s. Returns the robot time (s) until which they surely stay as they are; `None` if nothing
+    /// was commanded.
+    pub fn open_ahead(&mut self, width: f64, force: f64, within: f64) -> Option<f64> {
+        let least = self.dead_time.least.filter(|least| !self.seen.gripper_busy && *least > within)?;
         self.gripper = GripperCommand { width, force };
         Some(self.time() + least)
     }

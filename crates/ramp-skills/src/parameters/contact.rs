@@ -191,8 +191,8 @@ parameters! {
         /// Speed over that distance. At 0.04 m/s the impact force is 43 N with the drives of an FR3, at this
         /// speed 25 N.
         landing_speed: f64 = "m/s", 0.001, 0.5;
-        /// Distance to the plate from which slow fingers are commanded to open: the way from there takes less
-        /// than the dead time of a Franka hand.
+        /// Distance to the plate from which fingers are commanded to open whose dead time is longer than the
+        /// way from there takes.
         ahead: f64 = "m", 0.0, 0.03;
         /// Time before the fingers may open at which the press ends. Chosen.
         hold: f64 = "s", 0.0, 1.0;

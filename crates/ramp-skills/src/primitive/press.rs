@@ -82,7 +82,10 @@ impl Workcell<'_, '_> {
             if opens_at.is_none() && gap.max(self.belief.gap(connection, peg)?) < self.parameters.press.ahead
             {
                 let Parameters { press, grip, .. } = &*self.parameters;
-                opens_at = self.hand.open_ahead(grip.peg_open, grip.opening_force).map(|at| at - press.hold);
+                let falls = (press.ahead - press.landing).max(0.0) / press.speed;
+                let within = falls + press.landing / press.landing_speed + press.hold;
+                let opened = self.hand.open_ahead(grip.peg_open, grip.opening_force, within);
+                opens_at = opened.map(|at| at - press.hold);
             }
             if opens_at.is_some_and(|at| self.hand.time() > at) {
                 break;
