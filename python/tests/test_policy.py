@@ -32,6 +32,13 @@ def test_a_share_has_an_interval():
     assert 76.0 < low < 77.5 and 95.0 < high < 96.5
 
 
+def test_episodes_to_judge_come_in_whole_batches(monkeypatch, capsys):
+    monkeypatch.setattr("sys.argv", ["judge", "--episodes", "30"])
+    with pytest.raises(SystemExit):
+        judge.main()
+    assert "found 30, expected a multiple of 20" in capsys.readouterr().err
+
+
 def test_training_takes_its_steps():
     weights = fasten.train(1, ("ideal",), 1, pairs=1)
     assert weights.shape == (3, fasten.FEATURES) and not np.array_equal(weights, fasten.straight())

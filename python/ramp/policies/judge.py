@@ -178,6 +178,8 @@ def misled(rival: Rival) -> Rival:
     return made
 
 
+AT_ONCE = 20
+"""Environments that work at the same time; episodes come in as many."""
 FIRST_START = 100_001
 """The first of the held starts: training has those below."""
 FIRST_SEED = 500_000
@@ -206,6 +208,8 @@ def main() -> None:
     parser.add_argument("--misled", action="store_true", help="move the hand over the believed hole first")
     parser.add_argument("--table", help="a file to which a line for each policy is added: CSV")
     told = parser.parse_args()
+    if told.episodes < 1 or told.episodes % AT_ONCE:
+        parser.error(f"argument --episodes: found {told.episodes}, expected a multiple of {AT_ONCE}")
     try:
         cloned = clone.load(told.clone)
     except InputError as wrong:
@@ -217,7 +221,8 @@ def main() -> None:
             parser.error(f"there is no policy {name!r}; there are {', '.join(known)}")
     for world in told.worlds.split(","):
         blind, seeing = (
-            environments(world, 20, starts, 0.0, frame=told.frame, goals=goals, image=image) for image in (None, IMAGE)
+            environments(world, AT_ONCE, starts, 0.0, frame=told.frame, goals=goals, image=image)
+            for image in (None, IMAGE)
         )
         for error in told.errors.split(","):
             for name in names:
