@@ -100,7 +100,7 @@ fn count(events: &[Event], kind: &str, what: &str) -> usize {
 #[test]
 fn a_peg_that_stands_on_the_male_searches_for_its_hole() {
     let (seated, events, replans) =
-        run(2, Trouble::Misreads { beams: &["b4"], by: -3.7e-3, from: 4.5, to: 15.0 });
+        run(2, Trouble::Misreads { beams: &["b4"], by: -3.7e-3, from: 4.5, to: 13.7 });
     assert_eq!(count(&events, "search", "C1: spiral inside"), 1, "{events:?}");
     assert_eq!((seated, replans), (3, 0), "{events:?}");
 }
