@@ -97,12 +97,13 @@ fn count(events: &[Event], kind: &str, what: &str) -> usize {
 }
 
 /// b4 seems to be all the way in and is 3.7 mm short: the peg comes to stand on its male, and searches there.
+/// That seldom succeeds; then a new plan pushes b4 in.
 #[test]
 fn a_peg_that_stands_on_the_male_searches_for_its_hole() {
     let (seated, events, replans) =
         run(2, Trouble::Misreads { beams: &["b4"], by: -3.7e-3, from: 4.5, to: 13.7 });
     assert_eq!(count(&events, "search", "C1: spiral inside"), 1, "{events:?}");
-    assert_eq!((seated, replans), (3, 0), "{events:?}");
+    assert_eq!((seated, replans), (3, 1), "{events:?}");
 }
 
 /// b4 is 7 mm short, which is more than a search can find. The peg goes back into its holder, b4 is pushed,
