@@ -12,7 +12,7 @@ pub enum Question {
     Parts,
     /// The shutters are to open while the arm moves.
     Expose,
-    /// What the fingers feel.
+    /// A reading of the sensors in the fingers.
     Touch,
     /// An image.
     Image {
@@ -36,7 +36,7 @@ pub enum Answer {
         /// One for each part that was seen.
         parts: Vec<Reading>,
     },
-    /// What the fingers feel, first the one at +y of the tip.
+    /// The reading of the sensors in the fingers, first of the one at +y of the tip.
     Touch {
         /// Of each finger.
         fingers: [Finger; 2],

@@ -41,7 +41,7 @@ impl Cell {
         self.send(&Question::Touch)
     }
 
-    /// What the fingers felt when they were last asked; `None` if they were not, or have no sensors.
+    /// The reading that was last asked for; `None` without a question, or without sensors.
     pub fn touch_asked(&mut self) -> Result<Option<Touch>, FrankaError> {
         if !std::mem::take(&mut self.feels) {
             return Ok(None);
