@@ -31,7 +31,7 @@ impl Task {
         (self != Task::Build).then(|| self.name())
     }
 
-    /// What its result counts, for a person.
+    /// The name of the things that its result counts, for a person.
     pub fn unit(self) -> &'static str {
         match self {
             Task::Build => "pegs",
