@@ -122,7 +122,7 @@ def test_demonstrations_are_read_and_others_are_refused(tmp_path):
     request = {
         "what": "fasten", "skill": True, "logs": [], "goals": ["easy-1"], "world": "ideal", "start": "moved",
         "track": "noisy", "belief_error": 0.0, "agent": None, "rate": 20, "seed": 5, "episodes": 1, "program": "ramp",
-        "format": "zarr", "image_size": localise.IMAGE, "output": str(tmp_path / "set"),
+        "format": "zarr", "image_size": localise.IMAGE, "depth": False, "output": str(tmp_path / "set"),
     }  # fmt: skip
     assert main(["record", json.dumps(request)]) == 0
     meta = tmp_path / "set" / "meta/ramp.json"

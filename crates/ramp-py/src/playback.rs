@@ -123,9 +123,9 @@ fn show(py: Python<'_>, see: &Py<PyAny>, sample: Sample, size: Option<usize>) ->
     dict.set_item("width", vec![seen.width].into_pyarray(py))?;
     dict.set_item("wrench", seen.wrench.as_slice().to_vec().into_pyarray(py))?;
     if let Some(touch) = &seen.touch {
-        let force = touch.fingers.iter().flat_map(|finger| finger.force.iter().copied().collect::<Vec<_>>());
-        dict.set_item("touch_force", force.collect::<Vec<f64>>().into_pyarray(py))?;
+        let force: Vec<f64> = touch.fingers.iter().flat_map(|finger| finger.force.iter().copied()).collect();
         let centre = touch.fingers.iter().flat_map(|finger| finger.centre.unwrap_or_default());
+        dict.set_item("touch_force", force.into_pyarray(py))?;
         dict.set_item("touch_centre", centre.collect::<Vec<f64>>().into_pyarray(py))?;
     }
     let mut target = sample.joints.to_vec();
