@@ -28,6 +28,7 @@ pub mod footprint;
 #[cfg(feature = "export")]
 pub mod guide;
 pub mod joint;
+pub mod lookalike;
 mod pose;
 pub mod read;
 pub mod shape;

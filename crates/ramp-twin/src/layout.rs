@@ -46,18 +46,19 @@ impl Layout {
     /// each link that it could grip with all parts on their outlines; one for which a thousand draws find no
     /// place stays on its outline.
     pub fn new(assembly: &Assembly, start: &Start, seed: u64) -> Layout {
-        Layout::draw(assembly, start, start.trades(), seed)
+        Layout::draw(assembly, start, true, seed)
     }
 
     /// The start of an episode on its track: where no tag tells parts of one shape apart, each is called by
-    /// the outline on which it lies.
+    /// the outline on which it lies, and by [its place](ramp_kit::lookalike) where there are no outlines.
     pub fn on_track(assembly: &Assembly, start: &Start, track: Track, seed: u64) -> Layout {
-        Layout::draw(assembly, start, start.trades() && track.has_tags(), seed)
+        Layout::draw(assembly, start, track.has_tags(), seed)
     }
 
-    fn draw(assembly: &Assembly, start: &Start, trades: bool, seed: u64) -> Layout {
+    fn draw(assembly: &Assembly, start: &Start, tags: bool, seed: u64) -> Layout {
+        let trades = start.trades() && tags;
         if let Some(scatter) = &start.scatter {
-            return match scattered::draw(assembly, start.places.clearance, scatter, seed) {
+            return match scattered::draw(assembly, start.places.clearance, scatter, tags, seed) {
                 Ok(places) => Layout::anywhere(&assembly.kit, &places),
                 Err(part) => Layout { unplaced: Some(part), ..Layout::default() },
             };

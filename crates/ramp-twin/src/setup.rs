@@ -53,17 +53,6 @@ pub enum TwinError {
         /// The part.
         part: String,
     },
-    /// The track has no tags, and the start no outlines.
-    #[error(
-        "start {start}: on track {track} no tag tells which part is which, only the outline on which it lies, and \
-         this start has none"
-    )]
-    Nameless {
-        /// The start.
-        start: String,
-        /// The track.
-        track: &'static str,
-    },
     /// The scene lacks a body or site that the twin needs: the kit or the arm file is wrong.
     #[error("the scene has no {0}")]
     Missing(String),

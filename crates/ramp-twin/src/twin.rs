@@ -82,10 +82,6 @@ impl Twin {
             let (start, part) = (setup.start.name.clone(), part.clone());
             return Err(TwinError::NoPlace { start, part });
         }
-        if setup.start.scatter.is_some() && !setup.track.has_tags() {
-            let (start, track) = (setup.start.name.clone(), setup.track.name());
-            return Err(TwinError::Nameless { start, track });
-        }
         let start = Start::new(setup);
         let scene = Scene::new(setup, layout, options, &start)?;
         if setup.track.gives_images() {

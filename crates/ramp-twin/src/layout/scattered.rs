@@ -7,7 +7,7 @@ use nalgebra::{Point2, Point3, Translation3, UnitQuaternion, Vector3};
 use ramp_assembly::Assembly;
 use ramp_kit::joint::{HEAD_HEIGHT, HEAD_WIDTH, STEM_LENGTH};
 use ramp_kit::shape::Cuboid;
-use ramp_kit::{Footprint, Pose};
+use ramp_kit::{Footprint, Pose, lookalike};
 use ramp_robot::random::Stream;
 use ramp_world::start::Scatter;
 
@@ -37,7 +37,8 @@ enum Kind {
     Peg,
 }
 
-/// The poses of beams, holders and lying pegs in the episode with this seed, in the world, by name.
+/// The poses of beams, holders and lying pegs in the episode with this seed, in the world, by name. Without
+/// tags, beams that look alike are named by their places; a draw in which those are ambiguous starts over.
 ///
 /// # Errors
 /// The name of a part for which no place was found.
@@ -45,17 +46,40 @@ pub fn draw(
     assembly: &Assembly,
     clearance: f64,
     scatter: &Scatter,
+    tags: bool,
     seed: u64,
 ) -> Result<BTreeMap<String, Pose>, String> {
     let mut stream = Stream::new(seed, "layout");
     let mut failed = String::new();
     for _ in 0..DRAWS {
-        match place(items(assembly, scatter), clearance, scatter, &mut stream) {
-            Ok(items) => return Ok(poses(items)),
-            Err(part) => failed = part,
+        let items = match place(items(assembly, scatter), clearance, scatter, &mut stream) {
+            Ok(items) => items,
+            Err(part) => {
+                failed = part;
+                continue;
+            }
+        };
+        let beams = beams(&items);
+        let mut poses = poses(items);
+        if tags {
+            return Ok(poses);
+        }
+        match lookalike::ambiguous(&assembly.kit, &beams) {
+            Some(beam) => failed = beam.to_string(),
+            None => {
+                let names: Vec<&str> = beams.iter().map(|(name, _)| name.as_str()).collect();
+                poses.extend(lookalike::named(&assembly.kit, &names, &beams));
+                return Ok(poses);
+            }
         }
     }
     Err(failed)
+}
+
+/// Poses of the beams that are not clamped, by name.
+fn beams(items: &[Item]) -> Vec<(String, Pose)> {
+    let free = items.iter().filter(|item| matches!(item.kind, Kind::Beam | Kind::Upper));
+    free.map(|item| (item.body.name.clone(), item.body.x)).collect()
 }
 
 /// All parts to be placed, in the order of the draw.
