@@ -53,6 +53,11 @@ fn find_parts(cell: &mut Workcell, scatter: &Scatter) -> Result<(), SkillError> 
     }
     let looks = cell.parameters.clear.looks;
     cell.look_again(looks)?;
+    let mut visited = Vec::new();
+    if !cell.belief.parts.eyes.tags() {
+        cell.calibrate()?;
+        tell_apart(cell, &mut visited)?;
+    }
     let far = (scatter.ring.from + scatter.ring.to) / 2.0;
     let steps = (FRAC_PI_2 / cell.parameters.clear.turn).floor() as i32;
     for step in -steps..=steps {
@@ -62,12 +67,31 @@ fn find_parts(cell: &mut Workcell, scatter: &Scatter) -> Result<(), SkillError> 
         let (sine, cosine) = (f64::from(step) * cell.parameters.clear.turn).sin_cos();
         cell.visit(&Point3::new(far * cosine, far * sine, 0.0))?;
         cell.look_again(looks)?;
+        tell_apart(cell, &mut visited)?;
     }
     let unseen = unseen(cell);
     if !unseen.is_empty() {
         cell.record(EventKind::Note { text: format!("not found on the table: {}", unseen.join(", ")) });
     }
     Ok(())
+}
+
+/// Looks from near at each beam whose shape cannot be told from far, the nearest first, and at no point that
+/// was `visited`.
+fn tell_apart(cell: &mut Workcell, visited: &mut Vec<Point3<f64>>) -> Result<(), SkillError> {
+    let looks = cell.parameters.clear.looks;
+    loop {
+        let hand = Point3::from(cell.hand.seen.x_wt.translation.vector);
+        let off = |place: &Point3<f64>| (place - hand).xy().norm();
+        let untold = cell.belief.parts.eyes.untold();
+        let near = cell.parameters.clear.visited;
+        let is_new = |point: &&Point3<f64>| visited.iter().all(|other| (other - *point).norm() > near);
+        let next = untold.iter().filter_map(|points| points.iter().find(is_new));
+        let Some(next) = next.copied().min_by(|a, b| off(a).total_cmp(&off(b))) else { return Ok(()) };
+        cell.visit(&next)?;
+        cell.look_again(looks)?;
+        visited.push(next);
+    }
 }
 
 /// The parts of the kit that were never seen, by name.

@@ -24,11 +24,22 @@ fn a_scattered_goal_is_built_after_its_place_is_cleared() {
     );
 }
 
+/// Without tags the beams are found from above, told apart from near, and named by their places: the right
+/// ones are built in.
+#[test]
+fn a_scattered_goal_is_built_without_tags() {
+    let files = GoalFiles::new("easy-1");
+    let setup = Setup { start: Start::scattered(), ..files.setup(Track::Colour, 1) };
+    let result = files.run_setup(&setup);
+    assert!((result.completion - 1.0).abs() < 1e-12, "{:?}", result.events);
+    assert!(notes(&result).iter().all(|note| !note.starts_with("not found")), "{:?}", notes(&result));
+}
+
 /// From a jumble the baseline does not build: it says why, and does not begin.
 #[test]
 fn a_jumble_ends_with_its_reason() {
     let files = GoalFiles::new("easy-1");
-    for track in [Track::State, Track::Tags] {
+    for track in [Track::State, Track::Tags, Track::Colour] {
         let setup = Setup { start: Start::jumbled(), ..files.setup(track, 1) };
         let result = files.run_setup(&setup);
         assert_eq!(result.completion, 0.0);

@@ -116,6 +116,11 @@ impl Eyes {
         self.images
     }
 
+    /// Of each beam whose shape only looks from near can tell, the points to look at, m, in the world.
+    pub fn untold(&self) -> Vec<Vec<Point3<f64>>> {
+        self.scene.as_ref().map(SceneReader::untold).unwrap_or_default()
+    }
+
     /// Problems with images since the last call, as text.
     pub fn complaints(&mut self) -> Vec<String> {
         std::mem::take(&mut self.complaints)

@@ -10,6 +10,7 @@ pub mod part;
 pub mod parts;
 mod places;
 mod poses;
+mod strewn;
 pub mod surroundings;
 
 pub use own_finder::OwnFinder;

@@ -144,6 +144,7 @@ impl Belief {
             estimate: part.estimate.clone(),
             held: part.frame == Frame::Tip,
             lying: lying.iter().find(|it| it.part == *name).cloned(),
+            anywhere: self.anywhere && !part.seen,
         };
         let parts = self.parts.iter().map(expected).collect();
         Surroundings { parts, holders: self.holders(&self.kit), width: hand.seen.width }
@@ -160,8 +161,12 @@ impl Belief {
         part.doubts += 1;
         if part.doubts >= self.parameters.doubts {
             part.doubts = 0;
-            // In the hand it may have tilted, but not gone far.
             let own = &self.parameters;
+            if !self.eyes.tags() && part.frame == Frame::World && self.kit.beam(name).is_some() {
+                // Without tags it is only found again if it is looked for nearby.
+                return self.bumped(name, (own.strayed, own.strayed_turn));
+            }
+            // In the hand it may have tilted, but not gone far.
             let (distance, turn) = match part.frame {
                 Frame::Tip => (own.doubted_held, own.doubted_held_turn),
                 Frame::World | Frame::Clamped => (own.doubted, own.doubted_turn),

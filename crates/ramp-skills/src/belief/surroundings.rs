@@ -1,7 +1,7 @@
 //! Images without tags: what is believed of all parts goes to the finder, and the camera learns from the
 //! clamped beam where it is.
 
-use nalgebra::Matrix6;
+use nalgebra::{Matrix6, Point3};
 use ramp_kit::Kit;
 use ramp_robot::arm::ArmModel;
 use ramp_robot::{CameraModel, Image};
@@ -10,6 +10,7 @@ use ramp_vision::untagged::{Believed, Found, Scene, SceneFinder, Trace};
 
 use super::estimate::Estimate;
 use super::eye::{Eye, Sighting};
+use super::strewn::{StrewnParts, View};
 use crate::Pose;
 use crate::parameters::belief::EyesParameters;
 
@@ -27,6 +28,8 @@ pub struct Expected {
     pub held: bool,
     /// The knowledge of its height and tilt, if there is any.
     pub lying: Option<Lying>,
+    /// True if it was never seen and may lie anywhere.
+    pub anywhere: bool,
 }
 
 /// Everything that may be in an image.
@@ -59,6 +62,8 @@ pub struct SceneReader {
     base: (String, Pose),
     /// Names of the pegs.
     pegs: Vec<String>,
+    /// Parts that were never seen, where they may lie anywhere.
+    strewn: StrewnParts,
 }
 
 impl SceneReader {
@@ -69,7 +74,12 @@ impl SceneReader {
     pub fn new(kit: &Kit, arm: &ArmModel, base: &(String, Pose)) -> Result<SceneReader, String> {
         let finder = SceneFinder::new(kit, arm).map_err(|error| error.to_string())?;
         let pegs = kit.pegs.iter().map(|peg| peg.name.clone()).collect();
-        Ok(SceneReader { finder, base: base.clone(), pegs })
+        Ok(SceneReader { finder, base: base.clone(), pegs, strewn: StrewnParts::new(kit) })
+    }
+
+    /// Of each beam whose shape only looks from near can tell, the points to look at, m, in the world.
+    pub fn untold(&self) -> Vec<Vec<Point3<f64>>> {
+        self.strewn.untold()
     }
 
     /// The parts in an image, and those that are not where they are believed to be. The camera learns from
@@ -85,14 +95,25 @@ impl SceneReader {
         surroundings: &Surroundings,
         parameters: &EyesParameters,
     ) -> Result<(Vec<Sighting>, Vec<String>), String> {
-        let mut parts = surroundings.at(&image.x_wt);
+        let all = surroundings.at(&image.x_wt).into_iter().zip(&surroundings.parts);
+        let (unseen, known): (Vec<_>, Vec<_>) = all.partition(|(_, part)| part.anywhere);
+        let mut parts: Vec<Believed> = known.into_iter().map(|(part, _)| part).collect();
         let model = self.calibrate(eye, nominal, image, surroundings, &mut parts, parameters)?;
         let x_wc = model.x_wc(&image.x_wt);
         if eye.points() == 0 {
             // Where the camera is is not known well enough to tell neighbours apart.
             return Ok((Vec::new(), Vec::new()));
         }
-        let scene = Scene { parts: &parts, holders: &surroundings.holders, width: surroundings.width };
+        let mut holders = surroundings.holders.clone();
+        if !unseen.is_empty() {
+            let unseen: Vec<Believed> = unseen.into_iter().map(|(part, _)| part).collect();
+            let scene = Scene { parts: &parts, holders: &surroundings.holders, width: surroundings.width };
+            let mut view = View { finder: &mut self.finder, image, camera: &model };
+            let (named, found) = self.strewn.look(&mut view, &scene, &unseen)?;
+            parts.extend(named);
+            holders = found;
+        }
+        let scene = Scene { parts: &parts, holders: &holders, width: surroundings.width };
         let base = &self.base.0;
         let wanted = |part: &Believed| part.part != *base;
         let slack = slack(&eye.covariance, &x_wc);
@@ -103,24 +124,25 @@ impl SceneReader {
             eye.sighting(part.part, seen, &x_wc, image.x_wt)
         };
         let mut sightings: Vec<Sighting> = seen.found.into_iter().map(sighting).collect();
-        let is_lost = |part: &Believed| {
-            self.pegs.contains(&part.part)
+        let is_lost = |part: &&Believed| {
+            part.part != *base
                 && !part.held
                 && part.covariance[(0, 0)].max(part.covariance[(1, 1)]).sqrt() > parameters.lost
                 && sightings.iter().all(|seen| seen.part != part.part)
         };
-        // One of them: two cannot be told apart.
-        if let Some(part) = parts.iter().find(|part| is_lost(part)) {
-            let trace = self.finder.find_lost(image, &model, &scene, part);
-            let estimate = match trace.map_err(|error| error.to_string())? {
-                Some(Trace::Pose(found)) => {
-                    Some(Estimate { x: found.x_wp, covariance: found.covariance * parameters.common })
-                }
-                Some(Trace::Area { x_wp, covariance }) => Some(Estimate { x: x_wp, covariance }),
-                None => None,
-            };
-            sightings.extend(estimate.map(|it| eye.sighting(part.part.clone(), it, &x_wc, image.x_wt)));
+        // One of each kind: two cannot be told apart.
+        let (pegs, beams): (Vec<_>, Vec<_>) =
+            parts.iter().filter(is_lost).partition(|part| self.pegs.contains(&part.part));
+        let mut view = View { finder: &mut self.finder, image, camera: &model };
+        let mut found: Vec<(String, Estimate)> = Vec::new();
+        if let Some(peg) = pegs.first() {
+            found.extend(lost_peg(&mut view, &scene, peg, parameters)?);
         }
+        if let Some(beam) = beams.first() {
+            found.extend(self.strewn.find_lost(&mut view, &scene, beam, parameters)?);
+        }
+        let sighting = |(part, seen)| eye.sighting(part, seen, &x_wc, image.x_wt);
+        sightings.extend(found.into_iter().map(sighting));
         Ok((sightings, seen.absent))
     }
 
@@ -160,6 +182,21 @@ impl SceneReader {
             }
         }))
     }
+}
+
+/// A lost peg, or where something of its colour is.
+fn lost_peg(
+    view: &mut View,
+    scene: &Scene,
+    peg: &Believed,
+    parameters: &EyesParameters,
+) -> Result<Option<(String, Estimate)>, String> {
+    let trace = view.finder.find_lost(view.image, view.camera, scene, peg);
+    let estimate = trace.map_err(|error| error.to_string())?.map(|trace| match trace {
+        Trace::Pose(found) => Estimate { x: found.x_wp, covariance: found.covariance * parameters.common },
+        Trace::Area { x_wp, covariance } => Estimate { x: x_wp, covariance },
+    });
+    Ok(estimate.map(|it| (peg.part.clone(), it)))
 }
 
 /// Largest apparent shift of something on the table because of the error of the camera's place, m.

@@ -27,6 +27,9 @@ parameters! {
         /// Angle about the arm's foot between these places. Chosen: the pictures of the camera on the hand
         /// overlap.
         turn: f64 = "rad", 0.05, 3.2;
+        /// Points that are nearer than this to one that was looked at are not looked at again to tell a beam
+        /// from others.
+        visited: f64 = "m", 1e-3, 0.2;
         /// Least distance of a beam from the places and the paths of the beams of the frame, along the table.
         /// The fingers that hold a beam there need it.
         frame: f64 = "m", 0.0, 0.3;

@@ -4,8 +4,9 @@ use nalgebra::Point3;
 use ramp_kit::Kit;
 use ramp_kit::solid::SolidError;
 use ramp_robot::arm::ArmModel;
-use ramp_robot::{Camera, CameraModel, Image};
+use ramp_robot::{Camera, CameraModel, Image, Pose};
 
+use super::anywhere::{self, Comparison, Strewn};
 use super::canvas::{Canvas, Lens};
 use super::look::Look;
 use super::lost::{Trace, trace};
@@ -67,6 +68,50 @@ impl SceneFinder {
         part: &Believed,
     ) -> Result<Option<Trace>, SightError> {
         self.look(image, camera, scene, 0.0, |look, canvas| trace(look, canvas, part))
+    }
+
+    /// Looks for beams that may lie anywhere on the table: gives those that the scene does not have, each
+    /// under the name of one that looks the same, and a pose in the world from which it can be found.
+    ///
+    /// # Errors
+    /// As [`SceneFinder::find`].
+    pub fn find_beams_anywhere(
+        &mut self,
+        image: &Image,
+        camera: &CameraModel,
+        scene: &Scene,
+        wanted: &[Strewn],
+    ) -> Result<Vec<(String, Pose)>, SightError> {
+        self.look(image, camera, scene, 0.0, |look, canvas| anywhere::beams(look, canvas, wanted))
+    }
+
+    /// Compares beams that may lie in one place, each near a pose in the world, by how they explain an image
+    /// from near; `None` where it supports none of them.
+    ///
+    /// # Errors
+    /// As [`SceneFinder::find`].
+    pub fn compare(
+        &mut self,
+        image: &Image,
+        camera: &CameraModel,
+        scene: &Scene,
+        beams: &[(&Strewn, Pose)],
+    ) -> Result<Option<Comparison>, SightError> {
+        self.look(image, camera, scene, 0.0, |look, canvas| anywhere::compare(look, canvas, beams))
+    }
+
+    /// Looks for pegs that stand anywhere in holders: gives the middles of the heads that the scene does not
+    /// have, m, in the world.
+    ///
+    /// # Errors
+    /// As [`SceneFinder::find`].
+    pub fn find_heads_anywhere(
+        &mut self,
+        image: &Image,
+        camera: &CameraModel,
+        scene: &Scene,
+    ) -> Result<Vec<Point3<f64>>, SightError> {
+        self.look(image, camera, scene, 0.0, anywhere::heads)
     }
 
     /// The drawing of a scene as a camera would show it, red, green and blue (gamma 2.2) for each pixel of an

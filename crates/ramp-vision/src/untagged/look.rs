@@ -4,7 +4,7 @@ use nalgebra::{Point3, SMatrix, Translation3, UnitQuaternion, Vector3};
 use ramp_robot::{Camera, CameraModel, Image, Pose};
 
 use super::acceptance::{LEAST_STEPS, Work, accept, apart};
-use super::canvas::Canvas;
+use super::canvas::{Canvas, Lens};
 use super::contours::{Contour, Step, contours};
 use super::depths::{Depths, hides};
 use super::pose::{Place, settle, supports};
@@ -44,6 +44,10 @@ const SLIP: f64 = 3.0e-3;
 const WIDE: f64 = 12.0;
 /// Cosine of a step's normal and the axis from which it counts as across.
 const ACROSS: f64 = 0.8;
+/// Least number of drawn steps that can show that a part is not there, and the share of them that agrees
+/// where it is not.
+const MANY_STEPS: usize = 60;
+const REFUTED: f64 = 0.35;
 /// Steps of a search, pixels: coarse, then fine.
 const SEARCH: [f64; 2] = [2.0, 0.7];
 /// Least support of the best start.
@@ -227,18 +231,7 @@ impl Look<'_> {
             [(from - MARGIN).max(0.0).floor() as usize, (to + MARGIN).max(0.0).ceil() as usize]
         });
         self.paint(canvas, &drawn, window);
-        let lens = canvas.lens.clone();
-        let (corner, size) = (self.bodies.sheet.corner, self.bodies.sheet.size);
-        let turn = *self.x_wc.rotation.to_rotation_matrix().matrix();
-        let eye = self.x_wc.translation.vector;
-        let ground = |pixel: [f64; 2]| {
-            let [x, y] = lens.direction(pixel);
-            let [dx, dy, dz] = [0, 1, 2].map(|row| turn[(row, 0)] * x + turn[(row, 1)] * y + turn[(row, 2)]);
-            let far = -eye.z / dz;
-            let (x, y) = (eye.x + dx * far - corner[0], corner[1] - eye.y - dy * far);
-            let on_sheet = dz < 0.0 && (0.0..size[0]).contains(&x) && (0.0..size[1]).contains(&y);
-            usize::from(!on_sheet)
-        };
+        let ground = self.ground(&canvas.lens);
         let mut part_of = vec![None; drawn.len()];
         for (index, number) in numbers.iter().enumerate() {
             if let Some(number) = number {
@@ -247,6 +240,22 @@ impl Look<'_> {
         }
         let of = |body: u16| part_of.get(usize::from(body)).copied().flatten();
         contours(canvas, &of, self.scene.parts.len(), self.reach().cell, &ground)
+    }
+
+    /// Which of [`GROUNDS`](super::contours::GROUNDS) is at a pixel of a drawing where no body shows.
+    pub fn ground(&self, lens: &Lens) -> impl Fn([f64; 2]) -> usize {
+        let lens = lens.clone();
+        let (corner, size) = (self.bodies.sheet.corner, self.bodies.sheet.size);
+        let turn = *self.x_wc.rotation.to_rotation_matrix().matrix();
+        let eye = self.x_wc.translation.vector;
+        move |pixel: [f64; 2]| {
+            let [x, y] = lens.direction(pixel);
+            let [dx, dy, dz] = [0, 1, 2].map(|row| turn[(row, 0)] * x + turn[(row, 1)] * y + turn[(row, 2)]);
+            let far = -eye.z / dz;
+            let (x, y) = (eye.x + dx * far - corner[0], corner[1] - eye.y - dy * far);
+            let on_sheet = dz < 0.0 && (0.0..size[0]).contains(&x) && (0.0..size[1]).contains(&y);
+            usize::from(!on_sheet)
+        }
     }
 
     /// The knowledge of a part's height and tilt, as the fit takes it.
@@ -301,7 +310,7 @@ impl Look<'_> {
         }
         let depths = self.depths(canvas, contour, part, &x_cp);
         // In the hand it may have moved, and what is behind it is the hand.
-        work.absent = !part.held && depths.show_absence();
+        work.absent = !part.held && (depths.show_absence() || self.refutes(work, work.places.len()));
         if work.places.len() < LEAST_STEPS {
             return work.absent.then_some(());
         }
@@ -315,10 +324,19 @@ impl Look<'_> {
             let [before, after] = [&x_cp, &fitted.x_cp].map(|x| canvas.lens.project(&(x * place.p_p)));
             (after[0] - before[0]).hypot(after[1] - before[1])
         };
+        work.absent |= !part.held && self.refutes(work, fitted.agreeing);
         work.moved = work.places.iter().map(moved).fold(0.0, f64::max);
         work.x_wp = self.x_wc * fitted.x_cp;
         work.fitted = Some(fitted);
         Some(())
+    }
+
+    /// Whether an image from near, in which nothing but what is drawn hides a part, has so few of its steps
+    /// that it is not where it was looked for.
+    fn refutes(&self, work: &Work, agreeing: usize) -> bool {
+        self.image.camera == Camera::Wrist
+            && work.candidates >= MANY_STEPS
+            && (agreeing as f64) < REFUTED * work.candidates as f64
     }
 
     /// The measured depths of a part that is drawn at `x_cp`.

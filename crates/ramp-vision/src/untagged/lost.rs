@@ -14,7 +14,7 @@ use super::look::Look;
 use super::scene::{Believed, Found, Scene};
 
 /// Side of the cells in which colours are compared, pixels.
-const CELL: usize = 2;
+pub(super) const CELL: usize = 2;
 /// Cells around what the drawing has of the colour that do not count as unexplained.
 const MARGIN: usize = 3;
 /// Least red of a peg, linear, and least ratio of its red to its blue.
@@ -63,9 +63,16 @@ pub enum Trace {
 }
 
 /// A coloured area that the drawing does not explain: its cells and their middle, pixels of the drawing.
-struct Area {
-    cells: Vec<[usize; 2]>,
-    middle: [f64; 2],
+pub(super) struct Area {
+    pub cells: Vec<[usize; 2]>,
+    pub middle: [f64; 2],
+}
+
+impl Area {
+    /// The middles of its cells, pixels of the drawing.
+    pub fn pixels(&self) -> impl Iterator<Item = [f64; 2]> {
+        self.cells.iter().map(|cell| cell.map(|index| (index as f64 + 0.5) * CELL as f64))
+    }
 }
 
 /// Looks for a peg of the scene that may be anywhere; `None` where nothing has its colour.
@@ -104,7 +111,7 @@ pub fn trace(look: &Look, canvas: &mut Canvas, part: &Believed) -> Option<Trace>
 }
 
 /// The point at a height (m) that a pixel of the drawing shows.
-fn on_height(look: &Look, canvas: &Canvas, pixel: [f64; 2], height: f64) -> Point3<f64> {
+pub(super) fn on_height(look: &Look, canvas: &Canvas, pixel: [f64; 2], height: f64) -> Point3<f64> {
     let [x, y] = canvas.lens.direction(pixel);
     let d = look.x_wc.rotation * Vector3::new(x, y, 1.0);
     let eye = look.x_wc.translation.vector;
@@ -127,13 +134,17 @@ fn height_of(look: &Look, canvas: &Canvas, area: &Area) -> Option<f64> {
     heights.get(heights.len() / 2).copied().filter(|_| enough)
 }
 
+/// Whether a colour is that of a peg.
+pub(super) fn is_peg([r, _, b]: [f32; 3]) -> bool {
+    r > RED && r > RATIO * b
+}
+
 /// Areas of a peg's colour in the image where the drawing of all that is known has none, the largest first;
 /// and one over the distance of that drawing, 1/m, by cell.
 fn unexplained(look: &Look, canvas: &mut Canvas) -> (Vec<Area>, Vec<f32>) {
     let [w, h] = canvas.lens.size;
     look.draw_all(canvas);
     let [columns, rows] = [w / CELL, h / CELL];
-    let is_peg = |[r, _, b]: [f32; 3]| r > RED && r > RATIO * b;
     let mut drawn = vec![false; columns * rows];
     let mut near = vec![0.0; columns * rows];
     for row in 0..rows {
@@ -156,6 +167,19 @@ fn unexplained(look: &Look, canvas: &mut Canvas) -> (Vec<Area>, Vec<f32>) {
             left[row * columns + column] = !explained && is_peg(colour(look, [column, row]));
         }
     }
+    let mut areas = areas_of(left, columns);
+    areas.retain(|area| {
+        let at = on_height(look, canvas, area.middle, HEIGHTS[1]);
+        let distance = (at - Point3::from(look.x_wc.translation.vector)).norm();
+        let head = (HEAD_WIDTH * canvas.lens.focal[0] / distance / CELL as f64).powi(2);
+        area.cells.len() as f64 > LEAST_AREA * head
+    });
+    areas.sort_by_key(|area| std::cmp::Reverse(area.cells.len()));
+    (areas, near)
+}
+
+/// The connected areas of marked cells, given row by row. No cell at the border is marked.
+pub(super) fn areas_of(mut left: Vec<bool>, columns: usize) -> Vec<Area> {
     let mut areas = Vec::new();
     for start in 0..left.len() {
         if !left[start] {
@@ -165,7 +189,6 @@ fn unexplained(look: &Look, canvas: &mut Canvas) -> (Vec<Area>, Vec<f32>) {
         let (mut todo, mut cells) = (vec![start], Vec::new());
         while let Some(index) = todo.pop() {
             cells.push([index % columns, index / columns]);
-            // The border of the image is never left.
             for next in [index - 1, index + 1, index - columns, index + columns] {
                 if std::mem::take(&mut left[next]) {
                     todo.push(next);
@@ -177,19 +200,13 @@ fn unexplained(look: &Look, canvas: &mut Canvas) -> (Vec<Area>, Vec<f32>) {
             let sum: f64 = cells.iter().map(|cell| cell[axis] as f64 + 0.5).sum();
             sum / count * CELL as f64
         });
-        let distance =
-            (on_height(look, canvas, middle, HEIGHTS[1]) - Point3::from(look.x_wc.translation.vector)).norm();
-        let head = (HEAD_WIDTH * canvas.lens.focal[0] / distance / CELL as f64).powi(2);
-        if count > LEAST_AREA * head {
-            areas.push(Area { cells, middle });
-        }
+        areas.push(Area { cells, middle });
     }
-    areas.sort_by_key(|area| std::cmp::Reverse(area.cells.len()));
-    (areas, near)
+    areas
 }
 
 /// The image's colour in the middle of a cell, linear; black outside.
-fn colour(look: &Look, [column, row]: [usize; 2]) -> [f32; 3] {
+pub(super) fn colour(look: &Look, [column, row]: [usize; 2]) -> [f32; 3] {
     let pixel = [column, row].map(|index| (index * CELL) as f64 + 0.5);
     let at = look.photograph.place(pixel);
     [0, 1, 2].map(|channel| look.photograph.light(channel, at).map_or(0.0, |light| light as f32))

@@ -6,13 +6,15 @@
 //! step; [`depths`] does the same with measured depth, where there is some; [`pose`] moves a part until its
 //! steps lie on those of the image; [`search`] gives a start where a
 //! part is known only roughly. [`look`] does this for every part of a [`scene`] and draws it again with the
-//! new poses; [`acceptance`] rejects poses that the image does not support; [`lost`] looks for pegs that may
-//! be anywhere; [`finder`] is the whole.
+//! new poses; [`acceptance`] rejects poses that the image does not support; [`lost`] looks for a peg that may
+//! be anywhere in any position, [`anywhere`] for beams and pegs that lie or stand as usual, but anywhere;
+//! [`finder`] is the whole.
 //!
 //! Since the drawing has the neighbours, the fingers and the holders in it, hidden edges and parts in one
 //! another need no case of their own.
 
 pub mod acceptance;
+pub mod anywhere;
 pub mod canvas;
 pub mod contours;
 pub mod depths;
@@ -25,6 +27,7 @@ pub mod scene;
 pub mod search;
 pub mod solids;
 
+pub use anywhere::{Comparison, Strewn, strewn_covariance};
 pub use finder::SceneFinder;
 pub use lost::Trace;
 pub use scene::{Believed, Found, Scene, Seen};

@@ -54,7 +54,8 @@ pub struct Scene<'a> {
 pub struct Seen {
     /// The parts that were found.
     pub found: Vec<Found>,
-    /// Parts that are not where they are believed to be: depth shows what is behind them.
+    /// Parts that are not where they are believed to be: depth shows what is behind them, or hardly any of
+    /// their steps are in an image from near.
     pub absent: Vec<String>,
 }
 

@@ -3,6 +3,7 @@
 // A failed unwrap here is a failed test.
 #![allow(clippy::unwrap_used)]
 
+mod anywhere;
 mod regions;
 mod round_trip;
 mod untagged;

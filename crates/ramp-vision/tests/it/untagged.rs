@@ -13,19 +13,19 @@ use ramp_vision::untagged::{Believed, Found, Scene, SceneFinder, Seen, Trace};
 use ramp_vision::{Lying, SightError};
 
 /// Distance between the fingers, m.
-const WIDTH: f64 = 0.06;
+pub const WIDTH: f64 = 0.06;
 
-struct Cell {
-    table: Table,
-    finder: SceneFinder,
-    holders: Vec<(String, Pose)>,
+pub struct Cell {
+    pub table: Table,
+    pub finder: SceneFinder,
+    pub holders: Vec<(String, Pose)>,
     lying: Vec<Lying>,
     /// Whether images come with depth.
     depth: bool,
 }
 
 impl Cell {
-    fn new() -> Cell {
+    pub fn new() -> Cell {
         let mut table = Table::new();
         let arm = ArmModel::read(&ramp_testing::data().join("arms/panda.json")).unwrap();
         table.looks = Arc::new(Looks::new(&table.kit, Some(&arm)).unwrap().without_tags(&table.kit).unwrap());
@@ -41,7 +41,7 @@ impl Cell {
     }
 
     /// An image with the open hand in it.
-    fn look(&self, camera: Camera, x_wt: Pose, seed: u64) -> Image {
+    pub fn look(&self, camera: Camera, x_wt: Pose, seed: u64) -> Image {
         let model = CameraModel::nominal(camera, TIP);
         let mut scene = self.table.scene();
         let x_wh = x_wt * Translation3::new(0.0, 0.0, -TIP);
