@@ -242,8 +242,8 @@ def test_demonstrations_equal_those_of_one_machine(nodes, tmp_path, monkeypatch)
     monkeypatch.chdir(tmp_path)
     skill = {
         "what": "fasten", "skill": True, "logs": [], "goals": ["easy-1"], "world": "./mine.toml", "start": "moved",
-        "track": "noisy", "belief_error": 0.0, "agent": None, "rate": 20, "image_size": 0, "depth": False, "seed": 5, "episodes": 2,
-        "format": "hdf5", "program": str(engine.PROGRAM),
+        "track": "noisy", "belief_error": 0.0, "agent": None, "rate": 20, "image_size": 0, "depth": False, "seed": 5,
+        "episodes": 2, "format": "hdf5", "program": str(engine.PROGRAM),
     }  # fmt: skip
     backend = {"address": nodes.address}
 
