@@ -160,7 +160,7 @@ mod tests {
         corners
     }
 
-    /// What gets another name looks the same: the names alone have changed.
+    /// A beam with another name looks the same: the names alone have changed.
     #[test]
     fn the_table_looks_the_same_after_the_names_are_given() {
         let kit = kit();

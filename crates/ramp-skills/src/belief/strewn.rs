@@ -49,7 +49,7 @@ struct Shape {
 struct Place {
     middle: Point3<f64>,
     span: f64,
-    /// What may lie there.
+    /// The shapes that it may have.
     shapes: Vec<Shape>,
     /// Of each shape and each other one: how far off images from near are from the first where the two
     /// differ.
@@ -79,7 +79,7 @@ impl Place {
     }
 }
 
-/// What was found, and what is named.
+/// The parts that were found, and those that are named.
 pub struct StrewnParts {
     kit: Kit,
     /// The heads of pegs that are in no row yet.

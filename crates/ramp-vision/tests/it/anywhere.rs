@@ -77,7 +77,7 @@ fn beams_that_lie_anywhere_are_found_from_above() {
         let turn = (seen.rotation * Vector3::x()).cross(&(x_wb.rotation * Vector3::x())).norm();
         assert!(off < 3.0e-3 && turn < 0.02, "{part}: {off} m, {turn}");
     }
-    // What is known is not found again.
+    // Known beams are not found again.
     let all = cell.known(&[]);
     let scene = Scene { parts: &all, ..scene };
     assert_eq!(cell.finder.find_beams_anywhere(&image, &model, &scene, &wanted).unwrap(), []);
