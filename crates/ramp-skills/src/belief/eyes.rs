@@ -37,6 +37,8 @@ pub struct Eyes {
     images: bool,
     /// Do tags stick on the parts?
     tags_on_parts: bool,
+    /// Do images have depth?
+    depth: bool,
     /// The arm, which may be in an image.
     arm: ArmModel,
     scene: Option<SceneReader>,
@@ -67,6 +69,7 @@ impl Eyes {
             eyes: Camera::ALL.map(|camera| Eye::new(camera, parameters)),
             images: false,
             tags_on_parts: true,
+            depth: false,
             arm: arm.clone(),
             scene: None,
             own: None,
@@ -88,6 +91,7 @@ impl Eyes {
     pub fn on_track(&mut self, track: Track) {
         self.images = track.gives_images();
         self.tags_on_parts = track.has_tags();
+        self.depth = track.has_depth();
     }
 
     /// Takes this finder in place of the baseline's.
@@ -119,6 +123,11 @@ impl Eyes {
     /// Of each beam whose shape only looks from near can tell, the points to look at, m, in the world.
     pub fn untold(&self) -> Vec<Vec<Point3<f64>>> {
         self.scene.as_ref().map(SceneReader::untold).unwrap_or_default()
+    }
+
+    /// True if images have depth. Known as [`Eyes::images`] is.
+    pub fn depth(&self) -> bool {
+        self.depth
     }
 
     /// Problems with images since the last call, as text.

@@ -162,8 +162,9 @@ impl Belief {
         if part.doubts >= self.parameters.doubts {
             part.doubts = 0;
             let own = &self.parameters;
-            if !self.eyes.tags() && part.frame == Frame::World && self.kit.beam(name).is_some() {
-                // Without tags it is only found again if it is looked for nearby.
+            let colour_alone = !self.eyes.tags() && !self.eyes.depth();
+            if colour_alone && part.frame == Frame::World && self.kit.beam(name).is_some() {
+                // It is only found again if it is looked for nearby.
                 return self.bumped(name, (own.strayed, own.strayed_turn));
             }
             // In the hand it may have tilted, but not gone far.

@@ -62,8 +62,8 @@ parameters! {
         doubted_held: f64 = "m", 1e-7, 1.0;
         /// Its rotation in the hand.
         doubted_held_turn: f64 = "°", 1e-4, 90.0;
-        /// The same for a beam without tags that neither is held nor found where it is believed: it may have
-        /// been pushed.
+        /// The same for a beam on the track `colour` that neither is held nor found where it is believed: it
+        /// may have been pushed.
         strayed: f64 = "m", 1e-7, 1.0;
         /// See `strayed`.
         strayed_turn: f64 = "°", 1e-4, 90.0;

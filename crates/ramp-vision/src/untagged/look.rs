@@ -332,9 +332,10 @@ impl Look<'_> {
     }
 
     /// Whether an image from near, in which nothing but what is drawn hides a part, has so few of its steps
-    /// that it is not where it was looked for.
+    /// that it is not where it was looked for. Where there is depth, that tells it better.
     fn refutes(&self, work: &Work, agreeing: usize) -> bool {
         self.image.camera == Camera::Wrist
+            && self.image.depth.is_none()
             && work.candidates >= MANY_STEPS
             && (agreeing as f64) < REFUTED * work.candidates as f64
     }

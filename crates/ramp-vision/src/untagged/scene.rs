@@ -55,7 +55,7 @@ pub struct Seen {
     /// The parts that were found.
     pub found: Vec<Found>,
     /// Parts that are not where they are believed to be: depth shows what is behind them, or hardly any of
-    /// their steps are in an image from near.
+    /// their steps are in an image from near without depth.
     pub absent: Vec<String>,
 }
 
