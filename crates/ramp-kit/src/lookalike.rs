@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
 
-use crate::{Beam, Kit, Pose, Side};
+use crate::{Beam, JointType, Kit, Pose, Side};
 
 /// Least distance along y of the middles of two lookalikes whose order can be seen, m: many times the error
 /// of any pose on the table that is of use.
@@ -29,39 +29,38 @@ enum Likeness {
 
 /// Whether a beam has the shape of another one, as it lies or after half a turn.
 fn likeness(beam: &Beam, other: &Beam) -> Option<Likeness> {
-    let looks = |beam: &Beam| -> Vec<_> {
-        beam.joints.iter().map(|joint| (joint.kind, joint.offset, joint.opens)).collect()
-    };
-    let opposite = |side: Side| if side == Side::Left { Side::Right } else { Side::Left };
-    let turned: Vec<_> = beam
-        .joints
-        .iter()
-        .rev()
-        .map(|joint| (joint.kind, beam.span() - joint.offset, joint.opens.map(opposite)))
-        .collect();
     let flipped = |beam: &Beam| beam.start.map(|start| start.flipped);
-    let near = |a: &[(_, f64, _)], b: &[(_, f64, _)]| {
-        a.len() == b.len()
-            && a.iter().zip(b).all(|(a, b)| a.0 == b.0 && (a.1 - b.1).abs() < 1.0e-6 && a.2 == b.2)
-    };
-    let other_looks = looks(other);
     if flipped(beam) != flipped(other) {
         None
-    } else if near(&looks(beam), &other_looks) {
+    } else if are_alike(&looks(beam), &looks(other)) {
         Some(Likeness::Same)
     } else {
-        near(&turned, &other_looks).then_some(Likeness::Turned)
+        are_alike(&looks_turned(beam), &looks(other)).then_some(Likeness::Turned)
     }
 }
 
 /// Whether the two ends of a beam look alike.
 pub fn has_like_ends(beam: &Beam) -> bool {
-    let ends = beam.joints.iter().rev().zip(&beam.joints);
-    let mut mirrored = ends.map(|(a, b)| {
-        let opens = matches!((a.opens, b.opens), (None, None)) || a.opens != b.opens;
-        a.kind == b.kind && opens && (beam.span() - a.offset - b.offset).abs() < 1.0e-6
-    });
-    mirrored.all(|is| is)
+    are_alike(&looks(beam), &looks_turned(beam))
+}
+
+/// A joint as it looks: its type, its distance from the first hole, m, and the side to which it opens.
+type Look = (JointType, f64, Option<Side>);
+
+/// The joints of a beam along its x axis.
+fn looks(beam: &Beam) -> Vec<Look> {
+    beam.joints.iter().map(|joint| (joint.kind, joint.offset, joint.opens)).collect()
+}
+
+/// The same after half a turn about the vertical through its middle.
+fn looks_turned(beam: &Beam) -> Vec<Look> {
+    let opposite = |side: Side| if side == Side::Left { Side::Right } else { Side::Left };
+    let turned = |(kind, offset, opens): Look| (kind, beam.span() - offset, opens.map(opposite));
+    looks(beam).into_iter().rev().map(turned).collect()
+}
+
+fn are_alike(a: &[Look], b: &[Look]) -> bool {
+    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.0 == b.0 && (a.1 - b.1).abs() < 1.0e-6 && a.2 == b.2)
 }
 
 /// A pose of a beam after half a turn about the vertical through its middle.
@@ -168,7 +167,7 @@ mod tests {
             .beams
             .iter()
             .enumerate()
-            .map(|(index, beam)| (beam.name.clone(), at(-0.1 * index as f64, 1.7 * index as f64)))
+            .map(|(index, beam)| (beam.name.clone(), at(-0.1 * index as f64, 2.1 * index as f64)))
             .collect();
         let names: Vec<&str> = beams.iter().map(|(name, _)| name.as_str()).collect();
         let after = named(&kit, &names, &beams);
