@@ -25,7 +25,7 @@ use crate::hand::Hand;
 use crate::history::{Change, Choice, History, Work};
 use crate::parameters::Parameters;
 use crate::recognition::Swap;
-use crate::recovery::{check_holes, note_fault, recover};
+use crate::recovery::{check_holes, check_pegs, note_fault, recover};
 use crate::replaced::Replaced;
 use crate::skill::{Call, Effect};
 use crate::table::{SkillTable, baseline};
@@ -336,7 +336,8 @@ impl<'a> Baseline<'a> {
             // Of beams that stand already the new plan says nothing: for them the old one holds.
             self.learn_paths(cell, &plan);
             self.history.follows(&plan);
-            match self.run_plan(cell, &plan) {
+            let done = self.run_plan(cell, &plan).and_then(|()| self.check_pegs(cell));
+            match done {
                 Ok(()) if self.history.resumes(&cell.belief.fastened(), cell.progress()) => {}
                 Ok(()) => return Ok(Vec::new()),
                 Err(SkillError::Robot(error)) => return Err(error),
@@ -482,6 +483,15 @@ impl<'a> Baseline<'a> {
             }
         }
         Ok(())
+    }
+
+    /// Looks whether the seated pegs hold both of their beams; a given plan goes on as it is.
+    fn check_pegs(&mut self, cell: &mut Workcell) -> Result<(), SkillError> {
+        let checked = if self.given { Ok(()) } else { check_pegs(cell) };
+        if let Err(SkillError::Fault(Fault::Misaligned { connection, .. })) = &checked {
+            self.work = Some(Work::holes(connection));
+        }
+        checked
     }
 
     /// The beams of the assembly that an action has worked on, by index, according to what its skill expects.

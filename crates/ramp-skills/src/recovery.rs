@@ -1,7 +1,7 @@
 //! Actions outside the plan: aligns beams, and restores the work cell after a fault.
 
 use nalgebra::Vector3;
-use ramp_planner::{FineAction, Item};
+use ramp_planner::{FineAction, Grasp, Item};
 use ramp_robot::{Retry, RobotError};
 
 use crate::cell::Workcell;
@@ -80,6 +80,51 @@ pub fn check_holes(skills: &SkillTable, cell: &mut Workcell, connection: usize) 
     if offset <= peggable { Ok(()) } else { Err(misaligned(offset).into()) }
 }
 
+/// The connections whose pegs hold one beam alone, by index. Those that seem so are looked at again after a
+/// pause, in which a disturbance of the sight may have passed.
+fn missed(cell: &mut Workcell) -> Result<Vec<usize>, SkillError> {
+    let seems = cell.belief.missed()?;
+    if seems.is_empty() {
+        return Ok(seems);
+    }
+    cell.hand.wait(cell.parameters.agent.pause)?;
+    cell.belief.parts.update(&mut cell.hand)?;
+    for connection in seems {
+        let connection = &cell.assembly.connections[connection];
+        let holes = [cell.belief.hole(connection.female), cell.belief.hole(connection.male)];
+        cell.see(&holes, cell.parameters.agent.holes_known)?;
+    }
+    cell.belief.missed()
+}
+
+/// Checks, at the end of a plan, that each seated peg holds both of its beams.
+///
+/// # Errors
+/// [`Fault::Misaligned`] for the first connection whose peg holds one beam alone.
+pub(crate) fn check_pegs(cell: &mut Workcell) -> Result<(), SkillError> {
+    let Some(missed) = missed(cell)?.first().copied() else { return Ok(()) };
+    let connection = &cell.assembly.connections[missed];
+    let offset = cell.belief.parts.offset(cell.assembly, connection)?;
+    Err(Fault::Misaligned { connection: connection.name.clone(), offset }.into())
+}
+
+/// Takes out pegs that hold one beam alone, and puts each back in its holder.
+fn take_out_missed(skills: &SkillTable, cell: &mut Workcell) -> Result<(), SkillError> {
+    for connection in missed(cell)? {
+        let at = cell.belief.pinned.iter().position(|(pinned, _)| *pinned == connection);
+        let Some((_, peg)) = at.map(|at| cell.belief.pinned.remove(at)) else { continue };
+        let name = &cell.assembly.connections[connection].name;
+        let because = format!("{peg} holds one beam of {name} alone");
+        cell.record(Retry::new("pin", name).because(because));
+        let fetched = fetch(skills, cell, &Item::Peg(peg), Grasp::Head);
+        if !note_fault(cell, fetched)? {
+            clear_hand(skills, cell)?;
+        }
+        cell.retreat()?;
+    }
+    Ok(())
+}
+
 /// Pushes beams that lie loose in the assembly and were displaced back to their places. The planner knows
 /// beams by what they meet, and such a beam meets nothing yet. One that does not follow is left for the next.
 fn realign(skills: &SkillTable, cell: &mut Workcell) -> Result<(), SkillError> {
@@ -100,6 +145,19 @@ fn put_down(skills: &SkillTable, cell: &mut Workcell) -> Result<(), SkillError> 
     let Some(part) = cell.hand.held.as_ref().map(|held| held.part.clone()) else { return Ok(()) };
     let item = if cell.kit.beam(&part).is_some() { Item::Beam(part) } else { Item::Peg(part) };
     skills.perform(cell, &Call::alone(&FineAction::PutDown { item }))
+}
+
+/// Picks a part up from where it lies, and puts it in its place on the sheet.
+pub(crate) fn fetch(
+    skills: &SkillTable,
+    cell: &mut Workcell,
+    item: &Item,
+    grasp: Grasp,
+) -> Result<(), SkillError> {
+    let pick_up = FineAction::PickUp { item: item.clone(), grasp };
+    skills.execute(cell, &Call::alone(&pick_up))?;
+    cell.return_to_sheet(item.name());
+    skills.execute(cell, &Call::alone(&FineAction::PutDown { item: item.clone() }))
 }
 
 /// Records a fault and continues; only an error from which the robot does not recover ends the work.
@@ -130,8 +188,8 @@ pub(crate) fn clear_hand(skills: &SkillTable, cell: &mut Workcell) -> Result<(),
     Ok(())
 }
 
-/// After a fault: puts back the held part or releases it in place, retreats, realigns loose beams, and seats
-/// pegs that fell into holes. Adds to `lost` the pegs that can no longer be fetched; `refused` is one that
+/// After a fault: puts back the held part or releases it in place, retreats, takes out pegs that hold one beam
+/// alone, realigns loose beams, and seats pegs that fell into holes. Adds to `lost` the pegs that can no longer be fetched; `refused` is one that
 /// could not be gripped.
 ///
 /// # Errors
@@ -143,6 +201,8 @@ pub fn recover(
     lost: &mut Vec<String>,
 ) -> Result<(), RobotError> {
     clear_hand(skills, cell)?;
+    let done = take_out_missed(skills, cell);
+    note_fault(cell, done)?;
     let done = realign(skills, cell);
     note_fault(cell, done)?;
     let kit = cell.kit;

@@ -121,6 +121,17 @@ fn a_peg_that_stays_on_the_male_is_put_back_until_the_beam_is_pushed() {
     assert_eq!(seated, 3, "{events:?}");
 }
 
+/// b4 is 14 mm short: the peg goes in beside it, and holds the other beam alone. At the end of the plan the peg
+/// is pulled out, b4 pushed in, and the connection pinned.
+#[test]
+fn a_peg_that_holds_one_beam_alone_is_pulled_out() {
+    let (seated, events, replans) =
+        run(2, Trouble::Misreads { beams: &["b4"], by: -14.0e-3, from: 4.5, to: 13.7 });
+    assert_eq!(count(&events, "retry", "p1 holds one beam of C1 alone"), 1, "{events:?}");
+    assert_eq!(count(&events, "action_ended", "fasten C1"), 2, "{events:?}");
+    assert_eq!((seated, replans), (3, 1), "{events:?}");
+}
+
 /// An insertion that never succeeds.
 struct Never;
 

@@ -13,12 +13,12 @@ use ramp_planner::{CoarseAction, Grasp, Item, Plan, State, backwards, left_of, p
 use ramp_robot::{EventKind, RobotError};
 
 use super::Baseline;
-use super::take_apart::{fetch, is_deep, stands};
+use super::take_apart::{is_deep, stands};
 use crate::cell::Workcell;
 use crate::fault::SkillError;
 use crate::hand::Hand;
 use crate::recognition::{Swap, is_in_place, take_over};
-use crate::recovery::{align, clear_hand, note_fault, recover};
+use crate::recovery::{align, clear_hand, fetch, note_fault, recover};
 use crate::table::SkillTable;
 
 /// The beams that stand in the places of others with the same joints in the same places.

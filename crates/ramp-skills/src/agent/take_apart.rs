@@ -4,17 +4,15 @@
 //! another, and each is put back in its place on the sheet before the next. What fails is tried again after a
 //! look; a part that fell is picked up from where it lies.
 
-use ramp_planner::{FineAction, Grasp, Item, Plan, PlanError, State, backwards, left_of, plan};
+use ramp_planner::{Grasp, Item, Plan, PlanError, State, backwards, left_of, plan};
 use ramp_robot::{EventKind, Retry, RobotError};
 
 use super::Baseline;
 use crate::cell::Workcell;
 use crate::fault::SkillError;
 use crate::recognition::expect_state;
-use crate::recovery::{clear_hand, note_fault};
+use crate::recovery::{clear_hand, fetch, note_fault};
 use crate::rehearsal::{Rehearsal, Scene, plan_with_motion};
-use crate::skill::Call;
-use crate::table::SkillTable;
 
 impl Baseline<'_> {
     /// Takes the frame apart.
@@ -151,12 +149,4 @@ pub fn stands(cell: &Workcell, item: &Item) -> bool {
 /// Whether a beam stands deeper than its place, as is believed.
 pub fn is_deep(cell: &Workcell, beam: &str) -> bool {
     cell.assembly.beam_index(beam).is_some_and(|beam| cell.belief.deep.contains(&beam))
-}
-
-/// Picks a part up from where it lies, and puts it in its place on the sheet.
-pub fn fetch(skills: &SkillTable, cell: &mut Workcell, item: &Item, grasp: Grasp) -> Result<(), SkillError> {
-    let pick_up = FineAction::PickUp { item: item.clone(), grasp };
-    skills.execute(cell, &Call::alone(&pick_up))?;
-    cell.return_to_sheet(item.name());
-    skills.execute(cell, &Call::alone(&FineAction::PutDown { item: item.clone() }))
 }

@@ -24,6 +24,28 @@ impl AssemblyBelief<'_> {
         Ok(swung)
     }
 
+    /// The pinned connections whose holes are surely too far apart for one peg, by index: it holds the female
+    /// alone.
+    ///
+    /// # Errors
+    /// [`Fault::Unseen`](crate::Fault::Unseen).
+    pub fn missed(&self) -> Result<Vec<usize>, SkillError> {
+        let mut missed = Vec::new();
+        for (index, _) in &self.pinned {
+            let connection = &self.assembly.connections[*index];
+            let deviation = [connection.female, connection.male].map(|joint| {
+                let (beam, p) = self.hole(joint);
+                self.parts.deviation(&beam, &p)[0]
+            });
+            let unsure = self.parameters.diagnosis.sure * deviation[0].hypot(deviation[1]);
+            let offset = self.parts.offset(self.assembly, connection)?;
+            if offset > self.parameters.alignment.missed + unsure {
+                missed.push(*index);
+            }
+        }
+        Ok(missed)
+    }
+
     /// The beams that lie in the assembly, held by no peg, and are off their place, by index.
     ///
     /// # Errors

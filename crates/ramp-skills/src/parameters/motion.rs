@@ -90,6 +90,9 @@ parameters! {
         short: f64 = "m", 0.0, 1.0;
         /// Tolerated deviation of a loose beam: another one can still be inserted through it.
         displaced: f64 = "m", 1e-5, 0.1;
+        /// Horizontal distance between the holes of a pinned connection, beyond what is not known of it, from
+        /// which the peg holds one beam alone: its stem fills both holes up to less than a millimetre.
+        missed: f64 = "m", 1e-5, 0.1;
         /// Height uncertainty of a standing beam, 1 σ.
         level: f64 = "m", 1e-6, 0.1;
         /// Horizontal distance up to which an upright peg stands in a hole.
