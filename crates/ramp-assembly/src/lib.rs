@@ -16,6 +16,7 @@ pub mod catalogue;
 pub mod check;
 mod class;
 pub mod draw;
+mod excerpt;
 pub mod generate;
 pub mod paths;
 mod placed;

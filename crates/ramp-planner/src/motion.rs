@@ -104,6 +104,23 @@ impl Display for MotionFact {
 }
 
 impl MotionFact {
+    /// The same limit for an assembly that may lack some of the beams. A beam that it lacks stays where it
+    /// lies: it is always in the way on the sheet, and never in the assembly. `None` where the limit says
+    /// nothing then.
+    pub fn of(&self, assembly: &Assembly) -> Option<MotionFact> {
+        let has = |beam: &str| assembly.beam_index(beam).is_some();
+        let about = match &self.cannot {
+            Impossible::Grasp { beam, .. } | Impossible::Insert { beam, .. } => has(beam),
+            Impossible::Fasten { connection } => assembly.connection_index(connection).is_some(),
+        };
+        let past = match &self.past {
+            Some(InTheWay::OnSheet(beam)) if !has(beam) => None,
+            Some(InTheWay::Stands(beam)) if !has(beam) => return None,
+            past => past.clone(),
+        };
+        about.then(|| MotionFact { past, ..self.clone() })
+    }
+
     /// What a planner can do about it, in one sentence.
     pub fn remedy(&self) -> String {
         let first = match &self.past {
@@ -236,5 +253,34 @@ impl Motion {
     /// The reasons, as text, for an error.
     pub(crate) fn reasons(&self) -> String {
         self.facts.iter().map(MotionFact::to_string).collect::<Vec<_>>().join("; ")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// For the rest of a frame, a beam that is left on the sheet is always in the way there.
+    #[test]
+    fn a_limit_is_told_for_the_rest_of_an_assembly() -> Result<(), Box<dyn std::error::Error>> {
+        let kit = ramp_kit::read_kit("../../data/kit.xml".as_ref())?;
+        let whole = ramp_assembly::read_goal("../../data/goals/easy-1.xml".as_ref(), &kit)?;
+        let left = whole.beam_index("b4").ok_or("no b4")?;
+        let rest = whole.of_beams(|beam| beam != left).ok_or("no rest")?;
+        let fact = |beam: &str, past: Option<InTheWay>| {
+            let [beam, link] = [beam, "b5l2"].map(str::to_string);
+            let cannot = Impossible::Grasp { beam, link, at: End::Start };
+            MotionFact { cannot, past, because: "the fingers would touch b4".to_string() }
+        };
+        let [stands, lies] = [InTheWay::Stands("b4".into()), InTheWay::OnSheet("b4".into())];
+        assert_eq!(fact("b5", Some(lies.clone())).of(&rest), Some(fact("b5", None)));
+        assert_eq!(fact("b5", Some(stands)).of(&rest), None);
+        assert_eq!(fact("b4", None).of(&rest), None);
+        let fasten =
+            MotionFact { cannot: Impossible::Fasten { connection: "C1".into() }, ..fact("b5", None) };
+        assert_eq!(fasten.of(&rest), None);
+        let kept = fact("b5", Some(lies));
+        assert_eq!(kept.of(&whole), Some(kept));
+        Ok(())
     }
 }

@@ -204,6 +204,8 @@ pub struct History {
     aside: Vec<String>,
     /// Connections that are left for later.
     later: Vec<String>,
+    /// Beams that are left for later, by name.
+    left_out: Vec<String>,
     /// Beams that are not pushed, with the progress at which a push failed.
     skipped: Vec<(String, usize)>,
     /// The paths of beams in the plan, by name.
@@ -263,14 +265,22 @@ impl History {
         &self.later
     }
 
-    /// The rest is done: now is the time for the connections that were left for later and are not `pinned`.
-    /// Returns whether there are any. With more `progress` than when they failed, they are worth another try.
+    /// The beams that are left for later, by name: plans do without them.
+    pub fn left_out(&self) -> &[String] {
+        &self.left_out
+    }
+
+    /// The rest is done: now is the time for the beams that were left for later, and for the connections that
+    /// are not `pinned`. Returns whether there are any. With more `progress` than when they failed, they are worth another try.
     pub fn resumes(&mut self, pinned: &[(String, String)], progress: usize) -> bool {
-        let later = std::mem::take(&mut self.later);
-        let is_open = |work: &Work| {
-            work.is_of_connection()
-                && later.contains(&work.about)
-                && pinned.iter().all(|(connection, _)| *connection != work.about)
+        let (later, left_out) = (std::mem::take(&mut self.later), std::mem::take(&mut self.left_out));
+        let is_open = |work: &Work| match work.brings() {
+            Some(beam) => left_out.contains(beam),
+            None => {
+                work.is_of_connection()
+                    && later.contains(&work.about)
+                    && pinned.iter().all(|(connection, _)| *connection != work.about)
+            }
         };
         let Some(last) = self.tried.iter().rev().find(|tried| is_open(&tried.work)).cloned() else {
             return false;
@@ -311,6 +321,7 @@ impl History {
             Change::Link { .. } | Change::Path { .. } => drop(self.facts.pop()),
             Change::Peg { not } => self.aside.retain(|peg| peg != not),
             Change::AsItIs => drop(self.skipped.pop()),
+            Change::Later if work.brings().is_some() => drop(self.left_out.pop()),
             Change::Later => drop(self.later.pop()),
             Change::Look | Change::Pause | Change::Grasp { .. } => {}
         }
@@ -368,7 +379,7 @@ impl History {
             options.push(Change::Peg { not: peg });
         }
         options.push(Change::Pause);
-        if work.is_of_connection() {
+        if work.is_of_connection() || work.brings().is_some() {
             options.push(Change::Later);
         }
         options
@@ -382,6 +393,7 @@ impl History {
         match change {
             Change::Look | Change::Pause => {}
             Change::AsItIs => self.skipped.push((beam, last.progress)),
+            Change::Later if last.work.brings().is_some() => self.left_out.push(beam),
             Change::Later => self.later.push(last.work.about.clone()),
             Change::Grasp { not } => self.grasps.entry(beam).or_default().push(*not),
             Change::Link { not } => {
@@ -401,6 +413,11 @@ impl Work {
     /// Whether it is the same work on the same thing, whatever part it is done with.
     fn same(&self, other: &Work) -> bool {
         self.kind == other.kind && (self.about == other.about || self.is_peg() && other.is_peg())
+    }
+
+    /// The beam that it brings to the frame, if any: without it, the rest of a frame can be built.
+    fn brings(&self) -> Option<&String> {
+        self.beam.as_ref().filter(|_| !self.stands())
     }
 
     /// Whether it is about a connection: without its peg, the rest of a frame can be built.
@@ -442,7 +459,7 @@ mod tests {
     fn nothing_is_tried_twice() {
         let mut history = History::default();
         history.paths.insert("b4".into(), "along x".into());
-        let choices = [0.10, 0.10, 0.12, 0.14, 0.14, 0.14, 0.14].map(|s| gripped(s, false, 0));
+        let choices = [0.10, 0.10, 0.12, 0.14, 0.14, 0.14, 0.14, 0.14].map(|s| gripped(s, false, 0));
         let found = changes(&mut history, &insertion(), &choices);
         let expected = [
             Some("after another look"),
@@ -451,6 +468,7 @@ mod tests {
             Some("by another link than b4l2"),
             Some("along another path than along x"),
             Some("after a pause"),
+            Some("after the rest"),
             None,
         ];
         assert_eq!(found, expected.map(|words| words.map(str::to_string)));
@@ -465,6 +483,10 @@ mod tests {
         );
         assert_eq!(history.facts().len(), 2);
         assert_eq!(history.grasps()["b4"].len(), 2);
+        assert_eq!(history.left_out(), ["b4"]);
+        // The rest has brought the frame on: the beam is worth another try.
+        assert!(history.resumes(&[], 6) && history.left_out().is_empty());
+        assert_eq!(history.change(&choices[0]).map(|(_, change)| change), Some(Change::Look));
     }
 
     /// With a beam or a peg more, the same is worth another try.

@@ -125,19 +125,34 @@ fn take_out_missed(skills: &SkillTable, cell: &mut Workcell) -> Result<(), Skill
     Ok(())
 }
 
-/// Pushes beams that lie loose in the assembly and were displaced back to their places. The planner knows
-/// beams by what they meet, and such a beam meets nothing yet. One that does not follow is left for the next.
+/// Pushes beams that stand loose in the assembly, and were displaced or are short of their places, to their
+/// places. The planner knows beams by what they meet, and such a beam meets nothing yet. One that does not
+/// follow is left for the next; one that stays far short of its place is drawn out again, and put on the sheet.
 fn realign(skills: &SkillTable, cell: &mut Workcell) -> Result<(), SkillError> {
     for beam in cell.belief.displaced()? {
         match align(skills, cell, beam) {
-            Err(SkillError::Fault(fault @ (Fault::Misaligned { .. } | Fault::OffPlace { .. }))) => {
-                cell.record(fault)
-            }
+            Err(SkillError::Fault(
+                fault @ (Fault::Misaligned { .. } | Fault::OffPlace { .. } | Fault::Jammed { .. }),
+            )) => cell.record(fault),
             done => done?,
+        }
+        if !cell.belief.lies(beam) && cell.belief.short(beam)? > cell.parameters.insertion.back_caught {
+            clear_hand(skills, cell)?;
+            draw_out(skills, cell, beam)?;
         }
         cell.remember_standing(&[beam]);
     }
     Ok(())
+}
+
+/// Draws a beam out of the assembly, and puts it in its place on the sheet.
+fn draw_out(skills: &SkillTable, cell: &mut Workcell, beam: usize) -> Result<(), SkillError> {
+    let name = cell.assembly.beams[beam].beam.name.clone();
+    cell.record(Retry::new("insert", &name).because("it stays short of its place, and is drawn out"));
+    let link = cell.nearest_link(beam)?;
+    skills.execute(cell, &Call::alone(&FineAction::TakeOut { beam: name.clone(), link }))?;
+    skills.execute(cell, &Call::alone(&FineAction::PutDown { item: Item::Beam(name) }))?;
+    cell.retreat()
 }
 
 /// Puts back the held part, if any.
@@ -189,7 +204,7 @@ pub(crate) fn clear_hand(skills: &SkillTable, cell: &mut Workcell) -> Result<(),
 }
 
 /// After a fault: puts back the held part or releases it in place, retreats, takes out pegs that hold one beam
-/// alone, realigns loose beams, and seats pegs that fell into holes. Adds to `lost` the pegs that can no longer be fetched; `refused` is one that
+/// alone, realigns loose beams or draws them out, and seats pegs that fell into holes. Adds to `lost` the pegs that can no longer be fetched; `refused` is one that
 /// could not be gripped.
 ///
 /// # Errors

@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use ramp_assembly::Assembly;
 use ramp_kit::source::{MAX_SENTENCE, plain};
 use ramp_motion::MotionError;
 use ramp_planner::{MotionFact, Plan, PlanError, State};
@@ -15,32 +16,72 @@ use crate::skill::Call;
 
 impl<'a> Baseline<'a> {
     /// Plans from a state, given the limits of the arm there. If no such plan is left, the goal is built as
-    /// far as possible without them.
+    /// far as possible without them. Beams that are left for later are not in the plan.
     pub(super) fn make_plan(&mut self, cell: &mut Workcell, mut state: State) -> Result<Plan, String> {
         let begin = Instant::now();
-        state.motion = self.learned.iter().chain(self.history.facts()).cloned().collect();
+        let rest = self.rest(cell)?;
+        let goal = rest.as_ref().unwrap_or(self.assembly);
+        state.fastened.retain(|(connection, _)| goal.connection_index(connection).is_some());
+        let facts = self.learned.iter().chain(self.history.facts());
+        state.motion = facts.filter_map(|fact| fact.of(goal)).collect();
         state.lost_pegs.extend_from_slice(self.history.aside());
         let plan = match &mut self.planner {
+            Some(_) if rest.is_some() => Err("a planner of one's own plans the whole goal".to_string()),
             Some(planner) => planner(&state, &self.account.events),
-            None => self.own_plan(cell, state).map_err(|error| error.to_string()),
+            None => self.own_plan(cell, goal, state).map_err(|error| error.to_string()),
         };
         self.account.planning += begin.elapsed().as_secs_f64();
         plan
     }
 
+    /// The goal without the beams that are left for later, and without those that only these join to the
+    /// rest. `None` if there are none.
+    ///
+    /// # Errors
+    /// If the rest cannot be built alone.
+    fn rest(&self, cell: &Workcell) -> Result<Option<Assembly>, String> {
+        let goal = self.assembly;
+        let left: Vec<usize> =
+            self.history.left_out().iter().filter_map(|beam| goal.beam_index(beam)).collect();
+        if left.is_empty() {
+            return Ok(None);
+        }
+        let mut kept = cell.belief.standing.clone();
+        kept.push(goal.base);
+        loop {
+            let joined = |beam: &usize| {
+                goal.connections
+                    .iter()
+                    .any(|it| goal.sides(it, *beam).is_some_and(|(_, theirs)| kept.contains(&theirs.beam)))
+            };
+            let is_next = |beam: &usize| !kept.contains(beam) && !left.contains(beam) && joined(beam);
+            match (0..goal.beams.len()).find(is_next) {
+                Some(beam) => kept.push(beam),
+                None => break,
+            }
+        }
+        let rest = goal.of_beams(|beam| kept.contains(&beam));
+        rest.map(Some).ok_or_else(|| "no order of insertions builds the rest".to_string())
+    }
+
     /// The plan of its own planner: rehearsed with all limits that skills have found, else without them, else
     /// by the rules alone if no limit stands against the work that failed. The history's facts always hold.
-    fn own_plan(&mut self, cell: &mut Workcell, mut state: State) -> Result<Plan, PlanError> {
+    fn own_plan(
+        &mut self,
+        cell: &mut Workcell,
+        goal: &Assembly,
+        mut state: State,
+    ) -> Result<Plan, PlanError> {
         loop {
-            let error = match self.rehearsed_plan(cell, &state) {
+            let error = match self.rehearsed_plan(cell, goal, &state) {
                 Err(error @ PlanError::Motion { .. }) => error,
                 done => return done,
             };
             cell.record(EventKind::Note { text: plain(&error.to_string(), MAX_SENTENCE - 1) });
-            state.motion = self.history.facts().to_vec();
+            state.motion = self.history.facts().iter().filter_map(|fact| fact.of(goal)).collect();
             if self.learned.is_empty() {
                 cell.grasps.clear();
-                let plan = ramp_planner::plan(self.assembly, &state, self.domains)?;
+                let plan = ramp_planner::plan(goal, &state, self.domains)?;
                 let against = self.rehearsal(cell, &state).check(&plan).err();
                 return if against.is_some_and(|fact| self.history.failed_at(&fact)) {
                     Err(error)
@@ -71,8 +112,13 @@ impl<'a> Baseline<'a> {
     }
 
     /// A plan that the rehearsal accepts.
-    fn rehearsed_plan(&mut self, cell: &mut Workcell, state: &State) -> Result<Plan, PlanError> {
-        let rehearsed = plan_with_motion(self.assembly, state, self.domains, || self.rehearsal(cell, state))?;
+    fn rehearsed_plan(
+        &mut self,
+        cell: &mut Workcell,
+        goal: &Assembly,
+        state: &State,
+    ) -> Result<Plan, PlanError> {
+        let rehearsed = plan_with_motion(goal, state, self.domains, || self.rehearsal(cell, state))?;
         for fact in rehearsed.facts {
             if !self.told.contains(&fact) {
                 cell.record(EventKind::motion(&fact));

@@ -46,17 +46,19 @@ impl AssemblyBelief<'_> {
         Ok(missed)
     }
 
-    /// The beams that lie in the assembly, held by no peg, and are off their place, by index.
+    /// The beams of the assembly that no peg holds and that are off their place, by index: one that was laid
+    /// down in any direction, one that was inserted short of it.
     ///
     /// # Errors
     /// [`Fault::Unseen`](crate::Fault::Unseen).
     pub fn displaced(&self) -> Result<Vec<usize>, SkillError> {
         let mut off = Vec::new();
         for beam in self.standing.iter().copied().filter(|beam| *beam != self.assembly.base) {
-            if self.lies(beam)
-                && self.anchor(beam).is_none()
-                && self.straightened(beam)?.1 > self.parameters.alignment.displaced
-            {
+            if self.anchor(beam).is_some() {
+                continue;
+            }
+            let away = if self.lies(beam) { self.straightened(beam)?.1 } else { self.short(beam)? };
+            if away > self.parameters.alignment.displaced {
                 off.push(beam);
             }
         }

@@ -31,6 +31,9 @@ parameters! {
         /// Largest distance of an end from the start of the insertion after backing out. An end further away
         /// is still in its joint. Chosen.
         back_short: f64 = "m", 1e-3, 0.1;
+        /// Distance of an end from the start of the insertion after the search for the way out from which the
+        /// beam is taken for caught. Chosen: well beyond the mouth of a joint.
+        back_caught: f64 = "m", 1e-3, 0.5;
         /// Largest uncertainty of the joints that are to meet, 1 σ. An unchamfered edge is blocked unless it
         /// meets its female within 0.3 mm.
         known: f64 = "m", 1e-5, 0.1;

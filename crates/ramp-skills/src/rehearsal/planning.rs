@@ -119,16 +119,21 @@ pub fn plan_with_motion<'a>(
             Ok(Findings { grasps, not_rehearsed }) => {
                 return Ok(Rehearsed { plan, facts: state.motion, grasps, not_rehearsed });
             }
-            // The same answer again, or too many: the plan is carried out as far as it goes.
-            Err(fact) if state.motion.contains(&fact) || state.motion.len() >= MOST_FACTS => {
-                let facts = state.motion;
-                return Err(PlanError::Motion {
-                    goal: assembly.name.clone(),
-                    why: "the arm finds no plan that it can carry out".to_string(),
-                    reasons: facts.iter().map(MotionFact::to_string).collect::<Vec<_>>().join("; "),
-                });
+            Err(fact) => {
+                let new = fact.of(assembly).filter(|fact| !state.motion.contains(fact));
+                match new.filter(|_| state.motion.len() < MOST_FACTS) {
+                    Some(fact) => state.motion.push(fact),
+                    // The same answer again, or too many: the plan is carried out as far as it goes.
+                    None => {
+                        let reasons = state.motion.iter().map(MotionFact::to_string);
+                        return Err(PlanError::Motion {
+                            goal: assembly.name.clone(),
+                            why: "the arm finds no plan that it can carry out".to_string(),
+                            reasons: reasons.collect::<Vec<_>>().join("; "),
+                        });
+                    }
+                }
             }
-            Err(fact) => state.motion.push(fact),
         }
     }
 }

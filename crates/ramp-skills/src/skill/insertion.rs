@@ -1,7 +1,7 @@
 //! Common steps of all insertions of a held beam: attempts, start, push, retreat.
 
 use nalgebra::{Translation3, Vector3};
-use ramp_robot::Retry;
+use ramp_robot::{EventKind, Retry};
 
 use super::contract::Call;
 use crate::Pose;
@@ -186,7 +186,8 @@ impl Insertion {
 
     /// Backs a jammed beam out to where its insertion began, free of the joint. A beam that catches on an
     /// edge on its way out, or of which one end stays behind in a joint, searches compliantly for the way, as
-    /// on its way in.
+    /// on its way in. One that does not come out is let go of where it is: lifted, it would tear at the frame.
+    /// From then on it counts as standing, short of its place.
     ///
     /// # Errors
     /// Always: [`Fault::Jammed`], or the fault that stopped the motion.
@@ -213,6 +214,14 @@ impl Insertion {
         let start = cell.belief.insertion_start(beam, 0.0)?;
         if caught || cell.belief.remaining(&part, &start, &out)? > self.parameters.back_short {
             cell.compliant_search(&part, &start, &out, &cell.compliance(false))?;
+            let left = cell.belief.remaining(&part, &start, &out)?;
+            if left > self.parameters.back_caught {
+                let text = format!("{part} does not come out by {:.0} mm: it is let go of there", left * 1e3);
+                cell.record(EventKind::Note { text });
+                self.let_go(cell, beam)?;
+                cell.belief.standing.push(beam);
+                cell.remember_standing(&[beam]);
+            }
         }
         Err(jam.into())
     }
