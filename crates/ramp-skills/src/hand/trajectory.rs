@@ -24,6 +24,7 @@ impl Hand<'_> {
             (seen.wrench.fixed_rows::<3>(0).norm(), seen.wrench.fixed_rows::<3>(3).norm())
         };
         let (force, moment) = measured(&self.seen);
+        let most = self.parameters.pushed_moment.max(self.parameters.pushed_usual * self.usual_force);
         let samples = trajectory.samples();
         let early = (self.dead_time.least.unwrap_or(0.0) / PERIOD) as usize;
         let look = arrival.look.map(|ahead| samples.len().saturating_sub((ahead / PERIOD) as usize));
@@ -39,8 +40,8 @@ impl Hand<'_> {
             self.joint_step(*q)?;
             self.guard()?;
             let (now, turning) = measured(&self.seen);
-            self.pushed |= (now - force).abs() > self.parameters.pushed_force
-                || (turning - moment).abs() > self.parameters.pushed_moment;
+            self.pushed |=
+                (now - force).abs() > self.parameters.pushed_force || (turning - moment).abs() > most;
         }
         let end = trajectory.end();
         for _ in 0..300 {

@@ -70,6 +70,15 @@ parameters! {
         further: f64 = "m", 0.0, 0.02;
         /// Duration of pressing. Chosen.
         flat: f64 = "s", 0.0, 5.0;
+        /// Error of the force in free space from which the hand is rocked while it presses: the friction of
+        /// the joints holds it as much askew as a beam that touches with one end alone.
+        rough: f64 = "N", 0.0, 50.0;
+        /// Swing of the hand while it is rocked, at first. Chosen: twice what friction holds.
+        rock: f64 = "°", 0.0, 5.0;
+        /// Frequency of that swing. Chosen.
+        rock_rate: f64 = "Hz", 0.1, 20.0;
+        /// Duration of that swing. Chosen.
+        rock_time: f64 = "s", 0.0, 5.0;
         /// Height uncertainty afterwards, 1 σ. Chosen: the tolerance of a printed face.
         known: f64 = "m", 1e-6, 0.01;
         /// Speed with which the beam moves away from the contact. Chosen.

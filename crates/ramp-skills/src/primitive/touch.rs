@@ -1,6 +1,6 @@
 //! Height measurement by contact: a held beam touches the surface that it must not rub against later.
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Point3, UnitQuaternion, Vector3};
 use ramp_assembly::JointRef;
 use ramp_kit::joint::{self, BODY_WIDTH, EXTRUSION, FEMALE_HEIGHT};
 use ramp_robot::{EventKind, Surface};
@@ -47,6 +47,8 @@ impl Workcell<'_, '_> {
             let mut press = self.hand.setpoint;
             press.translation.z -= limit / self.hand.stiffness.z;
             self.hand.go(&press, self.parameters.touch.load_speed)?;
+            let along = x_wb.rotation * Vector3::x();
+            self.rock(&Vector3::z().cross(&along))?;
         }
         self.hand.wait(self.parameters.touch.flat)?;
         self.belief.parts.follow(&self.hand);
@@ -65,6 +67,30 @@ impl Workcell<'_, '_> {
             return self.hand.go(&off_table, self.parameters.touch.back_speed);
         }
         self.hand.go(&before, self.parameters.touch.back_speed)
+    }
+
+    /// Rocks the hand about an axis (a unit vector, axes of the world) with a swing that dies away: the beam
+    /// that it presses comes to lie as the contact says, and not as the friction of the joints holds the hand.
+    /// An arm whose force in free space is nearly right has little friction, and does without.
+    fn rock(&mut self, axis: &Vector3<f64>) -> Result<(), SkillError> {
+        let touch = self.parameters.touch.clone();
+        if self.hand.usual_force < touch.rough {
+            return Ok(());
+        }
+        let (begin, middle) = (self.hand.time(), self.hand.setpoint);
+        loop {
+            let time = self.hand.time() - begin;
+            let left = 1.0 - time / touch.rock_time;
+            if left <= 0.0 {
+                break;
+            }
+            let angle = touch.rock * left * (std::f64::consts::TAU * touch.rock_rate * time).sin();
+            let turn = UnitQuaternion::from_scaled_axis(axis * angle);
+            self.hand.setpoint = Pose::from_parts(middle.translation, turn * middle.rotation);
+            self.hand.tick()?;
+        }
+        self.hand.setpoint = middle;
+        Ok(())
     }
 
     /// Height correction for a beam that goes through a sleeve, m: backs off from the edge that blocks it,
