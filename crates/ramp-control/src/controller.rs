@@ -116,6 +116,13 @@ impl ArmController {
         self.limited(mode, wanted)
     }
 
+    /// The torques with which the arm itself holds where it was [`stopped`](ArmController::stopped), N·m. Its
+    /// own controller needs no limit of their rate and compensates no friction.
+    pub fn hold(&mut self) -> JointVector {
+        let (_, wanted) = self.targets.late(&self.arm, &self.state);
+        limit_torques(&self.arm, wanted)
+    }
+
     /// Takes what the arm reports after a period.
     pub fn sensed(&mut self, sensed: &Sensed) {
         let accelerations = (sensed.velocities - self.state.velocities) / PERIOD;
@@ -244,6 +251,23 @@ mod tests {
             robot.moves(torques);
         }
         assert!((robot.velocities()[0] - 0.3).abs() < 0.01, "{}", robot.velocities()[0]);
+    }
+
+    /// An arm that something throws as it stops brakes at once, and comes back to where it was stopped. With
+    /// torques that may change by a newton metre in a period it would swing for long.
+    #[test]
+    fn an_arm_that_is_thrown_as_it_stops_is_held() {
+        let (arm, mut robot) = Ideal::at_home();
+        let home = JointVector::from(arm.home);
+        robot.reports(home, JointVector::from([2.0, -3.0, 2.0, 3.0, -4.0, 6.0, 2.0]));
+        robot.controller.stopped();
+        for _ in 0..300 {
+            let torques = robot.controller.hold();
+            robot.moves(torques);
+        }
+        assert!(robot.velocities().amax() < 0.1, "{}", robot.velocities());
+        let off = robot.controller.state().positions - home;
+        assert!(off.amax() < 0.02, "{off}");
     }
 
     /// A single late command hardly slows the arm.

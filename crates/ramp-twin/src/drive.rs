@@ -62,6 +62,14 @@ impl Drive {
         self.motors
     }
 
+    /// The arm's own controller sets the torques for one period, without a line between. Returns those on the
+    /// motors, N·m.
+    pub fn hold(&mut self, torques: &JointVector) -> JointVector {
+        self.line.hold(*torques);
+        self.motors = *torques;
+        self.motors
+    }
+
     /// The torques that the arm received last, N·m.
     pub fn received(&self) -> JointVector {
         self.line.received()

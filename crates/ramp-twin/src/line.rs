@@ -67,6 +67,12 @@ impl Line {
         self.acting
     }
 
+    /// Torques (N·m) act that did not come over the line.
+    pub fn hold(&mut self, torques: JointVector) {
+        self.coming.clear();
+        (self.received, self.acting) = (torques, torques);
+    }
+
     /// The torques that the arm received last, N·m.
     pub fn received(&self) -> JointVector {
         self.received

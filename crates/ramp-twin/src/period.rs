@@ -50,7 +50,8 @@ fn recover(
     state.drive.restart();
     let interrupted = state.controller.stopped();
     let periods = (scene.physics.line.recovery / PERIOD).round() as u32;
-    let recovered = (0..periods).try_for_each(|_| advance(scene, data, state, broad_phase, None));
+    let recovered = (0..periods).try_for_each(|_| hold(scene, data, state, broad_phase));
+    state.drive.restart();
     state.controller.resume(interrupted);
     recovered
 }
@@ -67,16 +68,25 @@ pub(crate) fn stand(
     seconds: f64,
 ) -> Result<(), RobotError> {
     for _ in 0..(seconds / PERIOD).round() as u32 {
-        match advance(scene, data, state, broad_phase, None) {
+        match hold(scene, data, state, broad_phase) {
             // It has stopped already.
             Err(RobotError::Reflex { .. } | RobotError::JointVelocity { .. }) => {}
             other => other?,
         }
-        if state.drive.has_stopped() {
-            state.drive.restart();
-        }
     }
     Ok(())
+}
+
+/// One period of an arm that has stopped: its own controller holds it where it was, without the line.
+fn hold(
+    scene: &Scene,
+    data: &mut Data,
+    state: &mut State,
+    broad_phase: &mut BroadPhase,
+) -> Result<(), RobotError> {
+    let torques = state.controller.hold();
+    let motors = state.drive.hold(&torques);
+    move_by(scene, data, state, broad_phase, &motors)
 }
 
 /// One period of the controller and of the arm.
@@ -114,11 +124,23 @@ pub(crate) fn actuate(
     broad_phase: &mut BroadPhase,
     torques: &JointVector,
 ) -> Result<(), RobotError> {
+    let motors = state.drive.command(torques);
+    move_by(scene, data, state, broad_phase, &motors)
+}
+
+/// One period of the arm under these torques of its motors, N·m.
+fn move_by(
+    scene: &Scene,
+    data: &mut Data,
+    state: &mut State,
+    broad_phase: &mut BroadPhase,
+    motors: &JointVector,
+) -> Result<(), RobotError> {
     if state.time() >= TIME_LIMIT {
         return Err(RobotError::OutOfTime { limit: TIME_LIMIT });
     }
     let before = state.controller.state().clone();
-    drive(scene, data, state, &before, torques);
+    drive(scene, data, state, &before, motors);
     if let Some(clamp) = &scene.clamp {
         clamp.step(data);
     }
@@ -136,9 +158,8 @@ pub(crate) fn actuate(
 }
 
 /// Sets motor torques, finger forces and external joint torques for the next step of the physics.
-fn drive(scene: &Scene, data: &mut Data, state: &mut State, before: &ArmState, torques: &JointVector) {
-    let motors = state.drive.command(torques);
-    state.torques = motors;
+fn drive(scene: &Scene, data: &mut Data, state: &mut State, before: &ArmState, motors: &JointVector) {
+    state.torques = *motors;
     let q = [data.qpos()[DOF], data.qpos()[DOF + 1]];
     let v = [data.qvel()[DOF], data.qvel()[DOF + 1]];
     let mut gripper = state.slow_gripper.step(state.gripper_command);
