@@ -15,6 +15,10 @@ use crate::state::{ArmState, JointVector};
 /// command is hardly felt, and the arm brakes within some ten periods.
 const FADE: f64 = 0.9;
 
+/// The distance from which a stopped arm is not brought back, rad. Chosen: there the springs of the joints
+/// have the torques that these can have.
+const HOLDS: f64 = 0.02;
+
 /// The targets of the last period.
 #[derive(Clone, Debug)]
 pub(crate) struct Targets {
@@ -127,6 +131,19 @@ impl Targets {
         self.kept *= FADE;
         let command = self.command.clone().unwrap_or(ArmCommand::JointPositions(arm.home));
         (Mode::of(&command), self.followed(arm, state, &command))
+    }
+
+    /// The joint torques that bring the arm to rest at once, at its target positions or, if it was pushed on
+    /// from there, near where it comes to rest, N·m.
+    pub fn held(&mut self, state: &ArmState) -> JointVector {
+        let before = self.joints.map_or(state.positions, |target| target.positions);
+        let positions = JointVector::from_fn(|joint, _| {
+            let now = state.positions[joint];
+            before[joint].clamp(now - HOLDS, now + HOLDS)
+        });
+        self.joints = Some(JointMotion::at_rest(positions));
+        self.command = Some(ArmCommand::JointPositions(positions.into()));
+        track_joints(state, &positions, &JointVector::zeros(), &JointVector::zeros())
     }
 
     /// The joint torques that follow the target of `command`, N·m.

@@ -234,8 +234,8 @@ parameters! {
         seated: f64 = "m", 1e-5, 0.01;
         /// Drop under a press below which the press has not moved the head. Cameras repeat a height to this.
         unmoved: f64 = "m", 0.0, 0.01;
-        /// Largest error of the height of a head by sight. A head that seems higher, and that no press moves,
-        /// is jammed.
+        /// Largest error of the height of a head by sight, with a camera on the hand that is mounted 1.2 mm
+        /// and 0.5° off. A head that seems higher, and that no press moves, is jammed.
         height_error: f64 = "m", 0.0, 0.01;
         /// Number of times a peg that is not flush is pressed by its head. Chosen.
         tries: usize = "", 0.0, 20.0;
