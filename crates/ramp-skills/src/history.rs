@@ -271,7 +271,8 @@ impl History {
     }
 
     /// The rest is done: now is the time for the beams that were left for later, and for the connections that
-    /// are not `pinned`. Returns whether there are any. With more `progress` than when they failed, they are worth another try.
+    /// are not `pinned`. Returns whether there are any. With more `progress` than when they failed, they are
+    /// worth another try.
     pub fn resumes(&mut self, pinned: &[(String, String)], progress: usize) -> bool {
         let (later, left_out) = (std::mem::take(&mut self.later), std::mem::take(&mut self.left_out));
         let is_open = |work: &Work| match work.brings() {

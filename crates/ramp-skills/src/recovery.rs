@@ -127,7 +127,8 @@ fn take_out_missed(skills: &SkillTable, cell: &mut Workcell) -> Result<(), Skill
 
 /// Pushes beams that stand loose in the assembly, and were displaced or are short of their places, to their
 /// places. The planner knows beams by what they meet, and such a beam meets nothing yet. One that does not
-/// follow is left for the next; one that stays far short of its place is drawn out again, and put on the sheet.
+/// follow is left for the next; one that stays far short of its place is drawn out again, and put on the
+/// sheet.
 fn realign(skills: &SkillTable, cell: &mut Workcell) -> Result<(), SkillError> {
     for beam in cell.belief.displaced()? {
         match align(skills, cell, beam) {
@@ -203,9 +204,9 @@ pub(crate) fn clear_hand(skills: &SkillTable, cell: &mut Workcell) -> Result<(),
     Ok(())
 }
 
-/// After a fault: puts back the held part or releases it in place, retreats, takes out pegs that hold one beam
-/// alone, realigns loose beams or draws them out, and seats pegs that fell into holes. Adds to `lost` the pegs that can no longer be fetched; `refused` is one that
-/// could not be gripped.
+/// After a fault: puts back the held part or releases it in place, retreats, takes out pegs that hold one
+/// beam alone, realigns loose beams or draws them out, and seats pegs that fell into holes. Adds to `lost`
+/// the pegs that can no longer be fetched; `refused` is one that could not be gripped.
 ///
 /// # Errors
 /// The robot's.

@@ -122,8 +122,8 @@ fn a_peg_that_stays_on_the_male_is_put_back_until_the_beam_is_pushed() {
     assert_eq!(seated, 3, "{events:?}");
 }
 
-/// b4 is 14 mm short: the peg goes in beside it, and holds the other beam alone. At the end of the plan the peg
-/// is pulled out, b4 pushed in, and the connection pinned.
+/// b4 is 14 mm short: the peg goes in beside it, and holds the other beam alone. At the end of the plan the
+/// peg is pulled out, b4 pushed in, and the connection pinned.
 #[test]
 fn a_peg_that_holds_one_beam_alone_is_pulled_out() {
     let (seated, events, replans) =

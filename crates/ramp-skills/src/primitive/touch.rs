@@ -70,8 +70,8 @@ impl Workcell<'_, '_> {
     }
 
     /// Rocks the hand about an axis (a unit vector, axes of the world) with a swing that dies away: the beam
-    /// that it presses comes to lie as the contact says, and not as the friction of the joints holds the hand.
-    /// An arm whose force in free space is nearly right has little friction, and does without.
+    /// that it presses comes to lie as the contact says, and not as the friction of the joints holds the
+    /// hand. An arm whose force in free space is nearly right has little friction, and does without.
     fn rock(&mut self, axis: &Vector3<f64>) -> Result<(), SkillError> {
         let touch = self.parameters.touch.clone();
         if self.hand.usual_force < touch.rough {

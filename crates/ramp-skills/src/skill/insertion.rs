@@ -186,8 +186,8 @@ impl Insertion {
 
     /// Backs a jammed beam out to where its insertion began, free of the joint. A beam that catches on an
     /// edge on its way out, or of which one end stays behind in a joint, searches compliantly for the way, as
-    /// on its way in. One that does not come out is let go of where it is: lifted, it would tear at the frame.
-    /// From then on it counts as standing, short of its place.
+    /// on its way in. One that does not come out is let go of where it is: lifted, it would tear at the
+    /// frame. From then on it counts as standing, short of its place.
     ///
     /// # Errors
     /// Always: [`Fault::Jammed`], or the fault that stopped the motion.
