@@ -1,8 +1,9 @@
 //! Actions outside the plan: aligns beams, and restores the work cell after a fault.
 
-use nalgebra::Vector3;
+use nalgebra::{Point3, Vector3};
+use ramp_kit::joint::{FEMALE_HEIGHT, STEM_LENGTH};
 use ramp_planner::{FineAction, Grasp, Item};
-use ramp_robot::{Retry, RobotError};
+use ramp_robot::{EventKind, Retry, RobotError};
 
 use crate::cell::Workcell;
 use crate::fault::{Fault, SkillError};
@@ -176,6 +177,52 @@ pub(crate) fn fetch(
     skills.execute(cell, &Call::alone(&FineAction::PutDown { item: item.clone() }))
 }
 
+/// Pegs that stand upright in holes of the frame, and pin nothing that the goal pins, nor will when pressed.
+fn misplaced_pegs(cell: &Workcell) -> Vec<String> {
+    let assembly = cell.assembly;
+    let mut holes: Vec<Point3<f64>> = Vec::new();
+    for index in &cell.belief.standing {
+        let beam = &assembly.beams[*index].beam;
+        let Ok(x_wb) = cell.belief.parts.pose(&beam.name) else { continue };
+        holes.extend((0..beam.joints.len()).map(|joint| x_wb * beam.p_b_hole(joint)));
+    }
+    let in_a_hole = |peg: &String| {
+        let Ok(x_wp) = cell.belief.parts.pose(peg) else { return false };
+        let upright = (x_wp.rotation * Vector3::z()).z > 0.99;
+        let near = |hole: &Point3<f64>| {
+            let off = x_wp.translation.vector - hole.coords;
+            off.xy().norm() < 2.0 * cell.parameters.alignment.fallen
+                && off.z < FEMALE_HEIGHT / 2.0 + STEM_LENGTH
+        };
+        upright && holes.iter().any(near)
+    };
+    let pegs = cell.kit.pegs.iter().map(|peg| peg.name.clone());
+    // One that no camera has found since it was lost is believed to be where the hand was.
+    let seen = pegs.filter(|peg| !cell.belief.parts.is_lost(peg));
+    let free = seen.filter(|peg| !cell.belief.pinned.iter().any(|(_, pinned)| pinned == peg));
+    free.filter(|peg| !matches!(cell.belief.fallen_into(peg), Ok(Some(_)))).filter(in_a_hole).collect()
+}
+
+/// Takes pegs out of holes in which they pin nothing, and puts each back in its holder: they are in the way of
+/// the pegs that are to go there. Returns true if there were any.
+///
+/// # Errors
+/// The robot's.
+pub(crate) fn take_out_misplaced(skills: &SkillTable, cell: &mut Workcell) -> Result<bool, RobotError> {
+    let misplaced = misplaced_pegs(cell);
+    for peg in &misplaced {
+        let text = format!("{peg} stands in a hole and pins nothing: it is taken out");
+        cell.record(EventKind::Note { text });
+        let fetched = fetch(skills, cell, &Item::Peg(peg.clone()), Grasp::Head);
+        if !note_fault(cell, fetched)? {
+            clear_hand(skills, cell)?;
+        }
+        let retreated = cell.retreat();
+        note_fault(cell, retreated)?;
+    }
+    Ok(!misplaced.is_empty())
+}
+
 /// Records a fault and continues; only an error from which the robot does not recover ends the work.
 pub(crate) fn note_fault(cell: &mut Workcell, result: Result<(), SkillError>) -> Result<bool, RobotError> {
     match result {
@@ -205,8 +252,9 @@ pub(crate) fn clear_hand(skills: &SkillTable, cell: &mut Workcell) -> Result<(),
 }
 
 /// After a fault: puts back the held part or releases it in place, retreats, takes out pegs that hold one
-/// beam alone, realigns loose beams or draws them out, and seats pegs that fell into holes. Adds to `lost`
-/// the pegs that can no longer be fetched; `refused` is one that could not be gripped.
+/// beam alone, realigns loose beams or draws them out, seats pegs that fell into holes, and takes out those
+/// that pin nothing. Adds to `lost` the pegs that can no longer be fetched; `refused` is one that could not be
+/// gripped.
 ///
 /// # Errors
 /// The robot's.
@@ -237,6 +285,7 @@ pub fn recover(
             cell.belief.pinned.push((connection, peg.name.clone()));
         }
     }
+    take_out_misplaced(skills, cell)?;
     for peg in &kit.pegs {
         let pinned = cell.belief.pinned.iter().any(|(_, name)| *name == peg.name);
         let upright = cell.belief.parts.pose(&peg.name).is_ok_and(|x_wp| {

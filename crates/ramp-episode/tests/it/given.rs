@@ -156,7 +156,7 @@ fn a_frame_that_stands_wrong_is_repaired() {
         poses["p4"]["position"][0] = open.x.into();
         poses["p4"]["position"][1] = open.y.into();
     });
-    for (state, done) in [(swapped, "draw b5 out"), (misplaced, "p4 stands in a wrong hole")] {
+    for (state, done) in [(swapped, "draw b5 out"), (misplaced, "p4 stands in a hole and pins nothing")] {
         let setup = Setup { state: Some(&state), ..goal.setup(Track::State, 3) };
         let result = goal.run_setup(&setup);
         assert_eq!(result.completion, 1.0, "{:?}", result.events);

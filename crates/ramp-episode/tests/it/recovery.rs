@@ -6,6 +6,7 @@ use ramp_robot::{Agent, Command, Event, EventKind, PartReading, RobotError, Trac
 use ramp_skills::cell::Workcell;
 use ramp_skills::rehearsal::{Outline, Scene};
 use ramp_skills::skill::assemble::Assemble;
+use ramp_skills::skill::fasten::Fasten;
 use ramp_skills::skill::{ActionKind, Call, Effect, Need, Skill};
 use ramp_skills::{Fault, Parameters, SkillError, SkillTable};
 use ramp_testing::GoalFiles;
@@ -131,6 +132,57 @@ fn a_peg_that_holds_one_beam_alone_is_pulled_out() {
     assert_eq!(count(&events, "retry", "p1 holds one beam of C1 alone"), 1, "{events:?}");
     assert_eq!(count(&events, "action_ended", "fasten C1"), 2, "{events:?}");
     assert_eq!((seated, replans), (3, 1), "{events:?}");
+}
+
+/// A fastening that lets go of the peg where it fails.
+struct LetsGo(Fasten);
+
+impl Skill for LetsGo {
+    fn name(&self) -> &'static str {
+        "lets_go"
+    }
+
+    fn serves(&self) -> &[ActionKind] {
+        &[ActionKind::Fasten]
+    }
+
+    fn needs(&self) -> &[Need] {
+        &[Need::HoldsPart]
+    }
+
+    fn expects(&self) -> &[Effect] {
+        &[Effect::PegSeated, Effect::HandEmpty]
+    }
+
+    fn rehearse(&self, scene: &Scene, call: &Call) -> Outline {
+        self.0.rehearse(scene, call)
+    }
+
+    fn run(&self, cell: &mut Workcell, call: &Call) -> Result<(), SkillError> {
+        let done = self.0.run(cell, call);
+        if done.is_err() {
+            cell.release()?;
+        }
+        done
+    }
+}
+
+/// b4 is 7 mm short and seems to be in its place, and the peg is left standing on its male: it is taken out of
+/// the hole, which no other peg could enter.
+#[test]
+fn a_peg_that_is_left_in_a_hole_is_taken_out() {
+    let goal = GoalFiles::new("easy-1");
+    let mut twin = Twin::new(&goal.setup(Track::State, 2)).unwrap();
+    let lets_go = LetsGo(Fasten::new(&Parameters::baseline()));
+    let mut agent = goal.baseline(Track::State, 2).with_skills(SkillTable::default().with(lets_go));
+    let alteration = Trouble::Misreads { beams: &["b4"], by: -7.0e-3, from: 4.5, to: 28.0 };
+    assert_eq!(agent.run(&mut Altered { robot: &mut twin, alteration }), Ok(()));
+    let events = agent.account().events;
+    assert!(count(&events, "note", "p1 stands in a hole and pins nothing") > 0, "{events:?}");
+    assert_eq!(count(&events, "fault", "is lost"), 0, "{events:?}");
+    let mut referee = Referee::new(&goal.assembly, twin.part_names());
+    referee.watch(&twin.truth(), 0.0);
+    assert_eq!(referee.verdict().iter().flatten().count(), 3, "{events:?}");
 }
 
 /// An insertion that never succeeds with this beam.

@@ -3,13 +3,12 @@
 //!
 //! The agent is not told what is wrong: it compares what it sees with the goal before its first plan.
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::Point3;
 use ramp_assembly::Assembly;
 use ramp_kit::Beam;
-use ramp_kit::joint::{FEMALE_HEIGHT, STEM_LENGTH};
 use ramp_kit::source::{MAX_SENTENCE, plain};
 use ramp_motion::PathPlanner;
-use ramp_planner::{CoarseAction, Grasp, Item, Plan, State, backwards, left_of, plan};
+use ramp_planner::{CoarseAction, Plan, State, backwards, left_of, plan};
 use ramp_robot::{EventKind, RobotError};
 
 use super::Baseline;
@@ -18,7 +17,7 @@ use crate::cell::Workcell;
 use crate::fault::SkillError;
 use crate::hand::Hand;
 use crate::recognition::{Swap, is_in_place, take_over};
-use crate::recovery::{align, clear_hand, fetch, note_fault, recover};
+use crate::recovery::{align, clear_hand, note_fault, recover, take_out_misplaced};
 use crate::table::SkillTable;
 
 /// The beams that stand in the places of others with the same joints in the same places.
@@ -102,16 +101,7 @@ pub fn set_right(skills: &SkillTable, cell: &mut Workcell) -> Result<bool, Robot
         }
         cell.remember_standing(&[beam]);
     }
-    for peg in misplaced_pegs(cell) {
-        cell.record(EventKind::Note { text: format!("{peg} stands in a wrong hole: it is taken out") });
-        let fetched = fetch(skills, cell, &Item::Peg(peg), Grasp::Head);
-        if !note_fault(cell, fetched)? {
-            clear_hand(skills, cell)?;
-        }
-        let retreated = cell.retreat();
-        note_fault(cell, retreated)?;
-        worked = true;
-    }
+    worked |= take_out_misplaced(skills, cell)?;
     Ok(worked)
 }
 
@@ -138,30 +128,6 @@ fn off_along_path(cell: &Workcell) -> Vec<usize> {
     };
     let others = (0..assembly.beams.len()).filter(|index| !cell.belief.standing.contains(index));
     others.filter(is_off).collect()
-}
-
-/// Pegs that stand upright in holes of the frame, and pin nothing that the goal pins.
-fn misplaced_pegs(cell: &Workcell) -> Vec<String> {
-    let assembly = cell.assembly;
-    let mut holes: Vec<Point3<f64>> = Vec::new();
-    for index in &cell.belief.standing {
-        let beam = &assembly.beams[*index].beam;
-        let Ok(x_wb) = cell.belief.parts.pose(&beam.name) else { continue };
-        holes.extend((0..beam.joints.len()).map(|joint| x_wb * beam.p_b_hole(joint)));
-    }
-    let in_a_hole = |peg: &String| {
-        let Ok(x_wp) = cell.belief.parts.pose(peg) else { return false };
-        let upright = (x_wp.rotation * Vector3::z()).z > 0.99;
-        let near = |hole: &Point3<f64>| {
-            let off = x_wp.translation.vector - hole.coords;
-            off.xy().norm() < 2.0 * cell.parameters.alignment.fallen
-                && off.z < FEMALE_HEIGHT / 2.0 + STEM_LENGTH
-        };
-        upright && holes.iter().any(near)
-    };
-    let pegs = cell.kit.pegs.iter().map(|peg| peg.name.clone());
-    let free = pegs.filter(|peg| !cell.belief.pinned.iter().any(|(_, pinned)| pinned == peg));
-    free.filter(|peg| !matches!(cell.belief.fallen_into(peg), Ok(Some(_)))).filter(in_a_hole).collect()
 }
 
 impl Baseline<'_> {
