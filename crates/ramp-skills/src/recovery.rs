@@ -203,8 +203,8 @@ fn misplaced_pegs(cell: &Workcell) -> Vec<String> {
     free.filter(|peg| !matches!(cell.belief.fallen_into(peg), Ok(Some(_)))).filter(in_a_hole).collect()
 }
 
-/// Takes pegs out of holes in which they pin nothing, and puts each back in its holder: they are in the way of
-/// the pegs that are to go there. Returns true if there were any.
+/// Takes pegs out of holes in which they pin nothing, and puts each back in its holder: they are in the way
+/// of the pegs that are to go there. Returns true if there were any.
 ///
 /// # Errors
 /// The robot's.
@@ -253,8 +253,8 @@ pub(crate) fn clear_hand(skills: &SkillTable, cell: &mut Workcell) -> Result<(),
 
 /// After a fault: puts back the held part or releases it in place, retreats, takes out pegs that hold one
 /// beam alone, realigns loose beams or draws them out, seats pegs that fell into holes, and takes out those
-/// that pin nothing. Adds to `lost` the pegs that can no longer be fetched; `refused` is one that could not be
-/// gripped.
+/// that pin nothing. Adds to `lost` the pegs that can no longer be fetched; `refused` is one that could not
+/// be gripped.
 ///
 /// # Errors
 /// The robot's.

@@ -167,8 +167,8 @@ impl Skill for LetsGo {
     }
 }
 
-/// b4 is 7 mm short and seems to be in its place, and the peg is left standing on its male: it is taken out of
-/// the hole, which no other peg could enter.
+/// b4 is 7 mm short and seems to be in its place, and the peg is left standing on its male: it is taken out
+/// of the hole, which no other peg could enter.
 #[test]
 fn a_peg_that_is_left_in_a_hole_is_taken_out() {
     let goal = GoalFiles::new("easy-1");
