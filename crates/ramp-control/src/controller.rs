@@ -268,6 +268,10 @@ mod tests {
             farthest = farthest.sup(&(robot.controller.state().positions - home).abs());
         }
         assert!(robot.velocities().amax() < 0.1, "{}", robot.velocities());
+        // A motion begins where the arm stands by then, as its encoders tell it.
+        let begin = robot.controller.state().positions.map(|it| it + 5e-5);
+        robot.controller.stopped();
+        assert!(robot.controller.torques(&ArmCommand::JointPositions(begin.into())).is_ok());
         let back = farthest - (robot.controller.state().positions - home).abs();
         assert!(farthest.amax() < 0.5 && back.amax() < 0.05, "{farthest}{back}");
     }

@@ -49,13 +49,10 @@ impl Targets {
         }
     }
 
-    /// Holding these joint positions (rad).
+    /// Holding these joint positions (rad). The next command begins a motion where the arm stands by then.
     pub fn standing(positions: &JointVector) -> Targets {
-        Targets {
-            command: Some(ArmCommand::JointPositions((*positions).into())),
-            joints: Some(JointMotion::at_rest(*positions)),
-            ..Targets::new(&(*positions).into())
-        }
+        let command = Some(ArmCommand::JointPositions((*positions).into()));
+        Targets { command, ..Targets::new(&(*positions).into()) }
     }
 
     /// The same, to be followed from wherever the arm is.
@@ -136,12 +133,15 @@ impl Targets {
     /// The joint torques that bring the arm to rest at once, at its target positions or, if it was pushed on
     /// from there, near where it comes to rest, N·m.
     pub fn held(&mut self, state: &ArmState) -> JointVector {
-        let before = self.joints.map_or(state.positions, |target| target.positions);
+        let before = match &self.command {
+            Some(ArmCommand::JointPositions(positions)) => JointVector::from(*positions),
+            _ => state.positions,
+        };
         let positions = JointVector::from_fn(|joint, _| {
             let now = state.positions[joint];
             before[joint].clamp(now - HOLDS, now + HOLDS)
         });
-        self.joints = Some(JointMotion::at_rest(positions));
+        self.joints = None;
         self.command = Some(ArmCommand::JointPositions(positions.into()));
         track_joints(state, &positions, &JointVector::zeros(), &JointVector::zeros())
     }
