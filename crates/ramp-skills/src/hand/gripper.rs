@@ -30,6 +30,10 @@ impl Hand<'_> {
                 break;
             }
             period += 1;
+            // Fingers that are as far open as they were told to are not waited for.
+            if opens && width - self.seen.width < self.parameters.opened {
+                break;
+            }
             still = if (self.seen.width - before).abs() < 2e-6 { still + 1 } else { 0 };
             before = self.seen.width;
             // Fingers that squeeze a part hold still for a while before they open.

@@ -226,7 +226,9 @@ impl Workcell<'_, '_> {
             self.belief.parts.pushed(part);
             self.look_again(self.parameters.grip.looks)?;
         }
-        self.belief.parts.update(&mut self.hand)?;
+        if !self.belief.parts.is_fresh(&self.hand) {
+            self.belief.parts.update(&mut self.hand)?;
+        }
         let x_wp = self.belief.parts.pose(part)?;
         let x_tp = self.hand.seen.x_wt.inverse() * x_wp;
         let mut slip = None;

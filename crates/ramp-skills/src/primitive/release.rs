@@ -20,7 +20,7 @@ impl Workcell<'_, '_> {
             self.straighten()?;
         }
         let held = self.hand.held.take();
-        self.belief.parts.update(&mut self.hand)?;
+        self.glance()?;
         if let Some(held) = &held {
             self.belief.parts.released(&held.part);
         }
@@ -62,6 +62,7 @@ impl Workcell<'_, '_> {
             };
             let follows = followed || !last && self.follows_a_finger(held)?;
             if !follows && self.lift_off(&[slow, fast], limit, weight)? {
+                self.belief.parts.update(&mut self.hand)?;
                 break;
             }
             let retry = Retry::new("let_go_of", &held.part).attempt(attempt + 2);
@@ -160,7 +161,6 @@ impl Workcell<'_, '_> {
                 return Ok(false);
             }
         }
-        self.belief.parts.update(&mut self.hand)?;
         Ok(true)
     }
 
