@@ -239,7 +239,7 @@ impl<const N: usize> PathPlanner<N> {
     fn solutions(&self, x_wt: &Pose, seed: &Joints<N>) -> Vec<Joints<N>> {
         let posture = self.posture(x_wt);
         let mut found: Vec<Joints<N>> = Vec::new();
-        for seed in [seed, &posture, &self.ahead] {
+        for seed in [&posture, seed, &self.ahead] {
             if let Some(q) = self.kinematics.inverse(x_wt, seed, &posture)
                 && found.iter().all(|other| (other - q).amax() > ARRIVED)
             {
@@ -300,8 +300,14 @@ impl<const N: usize> PathPlanner<N> {
         posture: &impl Fn(f64) -> Joints<N>,
         count: usize,
     ) -> Option<Vec<Joints<N>>> {
+        // Where the upper arm points straight up, the angle of the last joint does not tell how the first and
+        // the third share a turn: the closed form jumps there, and the iteration does not.
+        let steady = |line: &Vec<Joints<N>>| {
+            let before = std::iter::once(q).chain(line);
+            before.zip(line).all(|(before, next)| (next - before).amax() <= LARGEST_STEP)
+        };
         let closed = self.analytic.as_ref().and_then(|it| follow_closed(it, piece, q, posture, count));
-        closed.or_else(|| {
+        closed.filter(steady).or_else(|| {
             let mut last = *q;
             let sample = |sample: usize| {
                 let share = sample as f64 / count as f64;

@@ -38,6 +38,8 @@ pub struct Arrival {
     pub closing: Option<GripperCommand>,
     /// Time before the end at which the cameras are exposed, s.
     pub look: Option<f64>,
+    /// Whether the motion comes to a halt on its way when something pushes the held part.
+    pub halts: bool,
 }
 
 /// The robot, with the state of its hand.

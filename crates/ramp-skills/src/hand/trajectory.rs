@@ -15,7 +15,7 @@ impl Hand<'_> {
         self.follow_and(trajectory, &Arrival::default())
     }
 
-    /// The same, with actions shortly before the end.
+    /// The same, with actions shortly before the end, or a halt on the way.
     ///
     /// # Errors
     /// [`Fault::Overload`](crate::Fault::Overload), and the robot's.
@@ -28,7 +28,11 @@ impl Hand<'_> {
         let samples = trajectory.samples();
         let early = (self.dead_time.least.unwrap_or(0.0) / PERIOD) as usize;
         let look = arrival.look.map(|ahead| samples.len().saturating_sub((ahead / PERIOD) as usize));
+        let mut pushed_at = None;
         for (index, q) in samples.iter().enumerate().skip(1) {
+            if let Some(at) = pushed_at.filter(|_| arrival.halts) {
+                return self.halt(&samples[at..]);
+            }
             if let Some(closing) =
                 arrival.closing.filter(|_| samples.len() - index < early && !self.seen.gripper_busy)
             {
@@ -40,10 +44,35 @@ impl Hand<'_> {
             self.joint_step(*q)?;
             self.guard()?;
             let (now, turning) = measured(&self.seen);
-            self.pushed |=
-                (now - force).abs() > self.parameters.pushed_force || (turning - moment).abs() > most;
+            if (now - force).abs() > self.parameters.pushed_force || (turning - moment).abs() > most {
+                self.pushed = true;
+                pushed_at = Some(index);
+            }
         }
-        let end = trajectory.end();
+        self.come_to_rest(trajectory.end())
+    }
+
+    /// Slows down along the rest of a timed joint path, evenly and smoothly, and comes to rest on it.
+    fn halt(&mut self, rest: &[Joints]) -> Result<(), SkillError> {
+        let periods = (self.parameters.halt / PERIOD).max(1.0);
+        let last = rest.len() - 1;
+        let (mut period, mut along) = (0.0, 0.0);
+        while period < periods && along < last as f64 {
+            period += 1.0;
+            let share: f64 = period / periods;
+            // From the whole speed to none, with no jump of the acceleration.
+            along = (along + 1.0 - share * share * (3.0 - 2.0 * share)).min(last as f64);
+            let before = (along as usize).min(last - 1);
+            self.joint_step(rest[before].lerp(&rest[before + 1], along - before as f64))?;
+            self.guard()?;
+        }
+        let before = (along as usize).min(last.saturating_sub(1));
+        let end = rest[before].lerp(&rest[(before + 1).min(last)], along - before as f64);
+        self.come_to_rest(end)
+    }
+
+    /// Waits until the arm has come to rest at the end of a motion.
+    fn come_to_rest(&mut self, end: Joints) -> Result<(), SkillError> {
         for _ in 0..300 {
             self.joint_step(end)?;
             self.guard()?;

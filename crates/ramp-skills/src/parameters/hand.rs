@@ -26,6 +26,9 @@ parameters! {
         guard: f64 = "N", 5.0, 200.0;
         /// Duration of the compliant retreat after that. Chosen.
         yield_time: f64 = "s", 0.0, 5.0;
+        /// Duration of the halt of a motion through free space. Chosen: from the largest velocities, no joint
+        /// slows down faster than its limit allows.
+        halt: f64 = "s", 0.01, 5.0;
         /// Time for a motion to settle. The filter of the wrist sensor has a time constant of 20 ms.
         rest: f64 = "s", 0.0, 10.0;
         /// Joint speed below which the arm is at rest. Chosen: 0.1 mm in the duration of a look.
@@ -219,5 +222,8 @@ parameters! {
         slot_speed: f64 = "m/s", 1e-3, 0.5;
         /// Speed with which it lowers the free end of a beam onto the table. Chosen.
         table_speed: f64 = "m/s", 1e-3, 0.5;
+        /// Longest time that this motion takes beyond its length over its speed, by which fingers with a dead
+        /// time are told to open before its end. Chosen.
+        table_time: f64 = "s", 0.0, 1.0;
     }
 }

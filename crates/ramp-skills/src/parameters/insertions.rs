@@ -5,6 +5,10 @@ parameters! {
     InsertionParameters {
         /// Height over the insertion path at which a beam is brought to the start of its insertion.
         clear: f64 = "m", 0.0, 0.1;
+        /// Distance from there at which a beam may be when it comes down on the table first. Chosen.
+        near: f64 = "m", 0.0, 0.1;
+        /// The same for its rotation. Chosen.
+        near_turn: f64 = "rad", 0.0, 1.0;
         /// Least height over the path from which it is pushed in.
         lowest: f64 = "m", 0.0, 0.02;
         /// Speed of an insertion. Chosen.

@@ -8,6 +8,8 @@ use crate::cell::Workcell;
 use crate::fault::{Fault, SkillError};
 use crate::grasp::{BEAM_WIDTH, hand_down};
 use crate::hand::Held;
+use crate::parameters::Parameters;
+use crate::parameters::hand::HandParameters;
 
 impl Workcell<'_, '_> {
     /// Releases the held part and retreats straight up.
@@ -107,7 +109,6 @@ impl Workcell<'_, '_> {
     /// level, and then its ribs are tilted in the beam's slots, which follow a finger that opens. A
     /// resistance stops the turn: the fingers open anyway.
     fn straighten(&mut self) -> Result<(), SkillError> {
-        let lean = |x_wt: &Pose| (x_wt.rotation * Vector3::z()).angle(&-Vector3::z());
         if lean(&self.hand.setpoint) < self.parameters.carry.tilted {
             return Ok(());
         }
@@ -199,17 +200,31 @@ impl Workcell<'_, '_> {
     }
 
     /// Lets the free end of a held beam down on the table before the fingers open: one that fell would hang
-    /// on them, and follow them.
+    /// on them, and follow them. Fingers with a dead time are commanded to open at once; the motion ends
+    /// before they do.
     pub fn settle(&mut self, beam: usize) -> Result<(), SkillError> {
         let name = self.assembly.beams[beam].beam.name.clone();
         let x_wb = self.belief.parts.pose(&name)?;
         let Some(drooped) = self.belief.drooped(beam, &x_wb) else { return Ok(()) };
         let down = self.hand.corrected(&x_wb, &drooped);
         self.hand.zero()?;
-        self.hand.drive(&down, self.parameters.release.table_speed, |hand| {
-            -hand.force().z > self.parameters.release.table_limit
+        let Parameters { release, grip, hand: HandParameters { rest, .. }, .. } = &*self.parameters;
+        let way = (down.translation.vector - self.hand.setpoint.translation.vector).norm();
+        let within = way / release.table_speed + release.table_time;
+        // A hand that leans grips the beam loosely first.
+        let opens_at = (lean(&self.hand.setpoint) < self.parameters.carry.tilted)
+            .then(|| self.hand.open_ahead(grip.beam_release, grip.opening_force, within + rest))
+            .flatten();
+        let limit = release.table_limit;
+        self.hand.drive(&down, release.table_speed, |hand| {
+            -hand.force().z > limit || opens_at.is_some_and(|at| hand.time() + rest > at)
         })?;
-        self.hand.wait(self.parameters.hand.rest)?;
+        self.hand.wait(*rest)?;
         Ok(())
     }
+}
+
+/// How far a hand leans, rad.
+fn lean(x_wt: &Pose) -> f64 {
+    (x_wt.rotation * Vector3::z()).angle(&-Vector3::z())
 }

@@ -31,7 +31,15 @@ impl Workcell<'_, '_> {
     /// As [`Workcell::travel`].
     pub fn travel_to_look(&mut self, x_wt: &Pose) -> Result<(), SkillError> {
         let look = self.belief.parts.eyes.images().then_some(self.parameters.look.ahead);
-        self.travel_and(x_wt, &Arrival { look, closing: None })
+        self.travel_and(x_wt, &Arrival { look, ..Arrival::default() })
+    }
+
+    /// As [`Workcell::travel`], but the motion comes to a halt on its way when something pushes the held part.
+    ///
+    /// # Errors
+    /// As [`Workcell::travel`].
+    pub fn travel_until_pushed(&mut self, x_wt: &Pose) -> Result<(), SkillError> {
+        self.travel_and(x_wt, &Arrival { halts: true, ..Arrival::default() })
     }
 
     fn travel_and(&mut self, x_wt: &Pose, arrival: &Arrival) -> Result<(), SkillError> {
@@ -134,7 +142,7 @@ impl Workcell<'_, '_> {
             return Err(MotionError::Blocked("end").into());
         }
         let trajectory = self.law().time(&line);
-        self.hand.follow_and(&trajectory, &Arrival { closing, look: None })
+        self.hand.follow_and(&trajectory, &Arrival { closing, ..Arrival::default() })
     }
 
     /// Speed limits of free-space motions for the current load.

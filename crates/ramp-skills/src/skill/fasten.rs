@@ -165,7 +165,7 @@ impl Fasten {
         cell.hand.relax();
         cell.hand.zero()?;
         let plate = cell.belief.mouth(connection)?.z;
-        cell.check_grip(peg)?;
+        cell.check_width(peg)?;
         let off = cell.lower(plate, cell.parameters.peg_search.over)?;
         if !cell.is_in(plate) {
             let begin = cell.hand.time();

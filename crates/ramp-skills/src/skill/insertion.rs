@@ -102,10 +102,15 @@ impl Insertion {
         let place = cell.belief.target(beam)?;
         let direction = cell.belief.insertion_direction(beam, &place)?;
         let goal = Translation3::from(direction * cell.belief.path(beam)?.depth) * place;
-        cell.bring_to(
-            &name,
-            &cell.belief.insertion_start(beam, if attempt == 0 { self.parameters.clear } else { 0.0 })?,
-        )?;
+        let clear = if attempt == 0 { self.parameters.clear } else { 0.0 };
+        let start = cell.belief.insertion_start(beam, clear)?;
+        // A beam that comes down on the table first need not be exactly over its path.
+        let x_wb = cell.belief.parts.pose(&name)?;
+        let off = (x_wb.translation.vector - start.translation.vector).norm();
+        let turned = x_wb.rotation.angle_to(&start.rotation);
+        if attempt > 0 || off > self.parameters.near || turned > self.parameters.near_turn {
+            cell.bring_to(&name, &start)?;
+        }
         if attempt == 0 {
             cell.touch_table(beam)?;
         }

@@ -179,19 +179,22 @@ impl MoveTo {
         self.carry(cell, beam, &start)
     }
 
-    /// Carries the held beam through free space to a pose. If something pushed it, the agent looks at it
-    /// before it lowers it: a beam that turned in the hand would meet the table with an end.
+    /// Carries the held beam through free space to a pose. If something pushes it, the motion halts, and the
+    /// agent raises it and looks at it before it goes on: a beam that turned in the hand would meet the table
+    /// with an end.
     fn carry(&self, cell: &mut Workcell, beam: usize, x_wb_goal: &Pose) -> Result<(), SkillError> {
         let part = &cell.assembly.beams[beam].beam.name;
         for attempt in 1.. {
             let Some(held) = &cell.hand.held else { break };
             let x_wt = x_wb_goal * held.x_tp.inverse();
-            let mut above = x_wt;
-            above.translation.z = above.translation.z.max(cell.parameters.travel.height);
-            cell.travel(&above)?;
-            if !cell.hand.pushed || attempt == cell.parameters.insertion.tries {
+            if attempt == cell.parameters.insertion.tries {
                 return cell.travel(&x_wt);
             }
+            cell.travel_until_pushed(&x_wt)?;
+            if !cell.hand.pushed {
+                return Ok(());
+            }
+            cell.retreat()?;
             cell.check_grip(part)?;
             self.regrasp.level(cell, beam)?;
         }
