@@ -212,7 +212,8 @@ impl<const N: usize> PathPlanner<N> {
         posture
     }
 
-    /// Joint positions for a pose of the tip, near `seed` if possible, and rather well inside their ranges.
+    /// Joint positions for a pose of the tip, rather well inside their ranges: those with the shoulder
+    /// towards the pose or, where these leave too little room, near `seed`.
     ///
     /// # Errors
     /// [`MotionError::Unreachable`].
@@ -235,7 +236,8 @@ impl<const N: usize> PathPlanner<N> {
         })
     }
 
-    /// All joint positions that are found for a pose of the tip, the best first.
+    /// All joint positions that are found for a pose of the tip, the best first: of those with room to spare,
+    /// the ones near the posture for the pose. From an elbow that is aside, no level path leads back.
     fn solutions(&self, x_wt: &Pose, seed: &Joints<N>) -> Vec<Joints<N>> {
         let posture = self.posture(x_wt);
         let mut found: Vec<Joints<N>> = Vec::new();

@@ -169,3 +169,36 @@ fn around_boxes<const N: usize>(arm: &ArmModel<N>) {
         assert!((reached.translation.vector - x_wt.translation.vector).norm() < 1e-5);
     }
 }
+
+/// From side to side the upper arm points straight up on its way, where a turn may be the first joint's as
+/// well as the third's. A beam that is not carried level turns about its axis between the fingers.
+#[test]
+fn a_beam_is_carried_level_across_the_table() {
+    let arm = arm::<7>("panda");
+    let planner = PathPlanner::new(&arm);
+    let checker = Checker::new(&arm, 0.012, Vec::new(), &[], 0.5e-3);
+    let pace = Pace { velocity: 1.0, acceleration: 1.0, jerk: 1.0, ramp: 0.0 };
+    let law = TimeLaw::new(&arm, &pace);
+    let terms = Terms { height: 0.15, level: true, checker: &checker, law: &law };
+    let down = |x: f64, y: f64| {
+        let rotation = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), PI);
+        Pose::from_parts(Translation3::new(x, y, 0.06), rotation)
+    };
+    // The elbow is aside, as where it lets a peg go in near to the base.
+    let aside = Joints::from([-0.93, -0.89, 1.25, -2.90, 1.09, 2.16, 2.75]);
+    let places = [
+        ([0.271, 0.255], [0.566, 0.027]),
+        ([0.220, 0.354], [0.310, -0.467]),
+        ([0.444, 0.407], [0.310, -0.220]),
+        ([0.082, 0.354], [0.456, -0.341]),
+        ([0.519, 0.203], [0.566, -0.467]),
+    ];
+    for ([x, y], [to_x, to_y]) in places {
+        let grasp = planner.solve(&down(x, y), &aside).unwrap();
+        let mut stream = Stream::new(3, "level");
+        let trajectory = planner.plan(&grasp, &down(to_x, to_y), &terms, &mut stream).unwrap();
+        let lean = |q: &Joints| (planner.kinematics.tip(q).rotation * Vector3::z()).angle(&-Vector3::z());
+        let most = trajectory.samples().iter().map(lean).fold(0.0, f64::max);
+        assert!(most < 0.01, "from {x}, {y} to {to_x}, {to_y} the hand leans by {most} rad");
+    }
+}

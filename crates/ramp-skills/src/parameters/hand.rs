@@ -44,8 +44,8 @@ parameters! {
         /// Change of the wrist force while carrying from which the held part counts as pushed. Carrying a
         /// beam alone changes it by 5 N at most.
         pushed_force: f64 = "N", 0.1, 200.0;
-        /// The same for the moment. Carrying a part alone changes it by up to 0.64 N·m, mostly by the friction of
-        /// the joints.
+        /// The same for the moment. Carrying a part alone changes it by up to 0.64 N·m, mostly by the
+        /// friction of the joints.
         pushed_moment: f64 = "N·m", 0.01, 20.0;
         /// The same at the least, over the error of the force in free space: with an error of 1.6 N, the
         /// moment errs by up to 0.95 N·m while the arm carries a beam.

@@ -34,7 +34,8 @@ impl Workcell<'_, '_> {
         self.travel_and(x_wt, &Arrival { look, ..Arrival::default() })
     }
 
-    /// As [`Workcell::travel`], but the motion comes to a halt on its way when something pushes the held part.
+    /// As [`Workcell::travel`], but the motion comes to a halt on its way when something pushes the held
+    /// part.
     ///
     /// # Errors
     /// As [`Workcell::travel`].
