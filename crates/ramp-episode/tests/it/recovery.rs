@@ -80,7 +80,7 @@ fn a_dropped_peg_is_replaced_by_another() {
 #[test]
 fn a_clamped_beam_that_is_misread_is_believed_where_it_is_clamped() {
     let (seated, events, replans) =
-        run(2, Trouble::Misreads { beams: &["b7", "b4"], by: 0.012, from: 15.6, to: 40.0 });
+        run(2, Trouble::Misreads { beams: &["b7", "b4"], by: 0.012, from: 15.6, to: 36.0 });
     assert!(events.iter().all(|event| event.kind.name() != "fault"), "{events:?}");
     assert_eq!((seated, replans), (3, 0), "{events:?}");
 }
