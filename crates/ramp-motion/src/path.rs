@@ -302,8 +302,8 @@ impl<const N: usize> PathPlanner<N> {
         posture: &impl Fn(f64) -> Joints<N>,
         count: usize,
     ) -> Option<Vec<Joints<N>>> {
-        // Where the upper arm points straight up, the angle of the last joint does not tell how the first and
-        // the third share a turn: the closed form jumps there, and the iteration does not.
+        // With an upper arm that points straight up, the angle of the last joint does not tell how the first
+        // and the third share a turn: the closed form jumps there, and the iteration does not.
         let steady = |line: &Vec<Joints<N>>| {
             let before = std::iter::once(q).chain(line);
             before.zip(line).all(|(before, next)| (next - before).amax() <= LARGEST_STEP)
