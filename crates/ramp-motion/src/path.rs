@@ -340,7 +340,7 @@ impl<const N: usize> PathPlanner<N> {
             return Err(MotionError::Unreachable(x_wt.translation.vector.into()));
         }
         goals.retain(free);
-        let nearest = goals.first().ok_or(MotionError::Blocked("end"))?;
+        let first = goals.first().ok_or(MotionError::Blocked("end"))?;
         for height in [terms.height, terms.height + OVER] {
             for goal in &goals {
                 if let Some(best) = self.level(q, goal, x_wt, height, terms) {
@@ -348,7 +348,7 @@ impl<const N: usize> PathPlanner<N> {
                 }
             }
         }
-        self.plan_to(q, nearest, terms, stream)
+        self.plan_to(q, first, terms, stream)
     }
 
     /// A collision-free motion from `q` to other joint positions, found by random search.

@@ -31,7 +31,7 @@ pub struct Held {
     pub p_centre: Point3<f64>,
 }
 
-/// Actions shortly before the end of a motion.
+/// Actions shortly before the end of a motion, and a halt on its way.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Arrival {
     /// Gripper command sent early, to hide the dead time of a gripper that has nothing else to do.

@@ -8,7 +8,8 @@ use crate::fault::SkillError;
 /// The longest wait for a gripper, periods.
 const SLOWEST_GRIPPER: u32 = 10_000;
 impl Hand<'_> {
-    /// Opens or closes to `width` (m) with at most `force` (N) and waits until the fingers are still.
+    /// Opens or closes to `width` (m) with at most `force` (N) and waits until the fingers are still or,
+    /// where they open, nearly as wide.
     ///
     /// # Errors
     /// [`Fault::Overload`](crate::Fault::Overload), and the robot's.

@@ -9,7 +9,6 @@ use crate::fault::{Fault, SkillError};
 use crate::grasp::{BEAM_WIDTH, hand_down};
 use crate::hand::Held;
 use crate::parameters::Parameters;
-use crate::parameters::hand::HandParameters;
 
 impl Workcell<'_, '_> {
     /// Releases the held part and retreats straight up.
@@ -208,7 +207,8 @@ impl Workcell<'_, '_> {
         let Some(drooped) = self.belief.drooped(beam, &x_wb) else { return Ok(()) };
         let down = self.hand.corrected(&x_wb, &drooped);
         self.hand.zero()?;
-        let Parameters { release, grip, hand: HandParameters { rest, .. }, .. } = &*self.parameters;
+        let Parameters { release, grip, .. } = &*self.parameters;
+        let rest = self.parameters.hand.rest;
         let way = (down.translation.vector - self.hand.setpoint.translation.vector).norm();
         let within = way / release.table_speed + release.table_time;
         // A hand that leans grips the beam loosely first.
@@ -219,7 +219,7 @@ impl Workcell<'_, '_> {
         self.hand.drive(&down, release.table_speed, |hand| {
             -hand.force().z > limit || opens_at.is_some_and(|at| hand.time() + rest > at)
         })?;
-        self.hand.wait(*rest)?;
+        self.hand.wait(rest)?;
         Ok(())
     }
 }
