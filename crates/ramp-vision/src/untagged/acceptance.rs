@@ -5,6 +5,8 @@ use std::collections::BTreeMap;
 use nalgebra::{Matrix3, Matrix6, Point3, Vector3, Vector6};
 use ramp_robot::Pose;
 
+use super::depths::Depths;
+use super::marks::Mark;
 use super::pose::{Fitted, Place};
 use super::scene::{Believed, Found};
 use super::solids::Surface;
@@ -32,20 +34,42 @@ const POINTS: usize = 12;
 pub struct Work {
     /// Its pose in the world by now.
     pub x_wp: Pose,
+    /// What of its drawing can be measured; `None` if it is to be drawn (again).
+    pub marks: Option<Vec<Mark>>,
+    /// The depths measured of it, in its frame.
+    pub depths: Depths,
     /// The last fit.
     pub fitted: Option<Fitted>,
+    /// Number of steps that could have been found.
+    pub candidates: usize,
     /// Steps that were found in the image.
     pub places: Vec<Place>,
-    /// Steps that could have been found.
-    pub candidates: usize,
     /// How far the last fit moved its steps, pixels.
     pub moved: f64,
-    /// Whether nothing is left to be gained by drawing it again.
+    /// Whether nothing is left to be gained by measuring it again.
     pub done: bool,
     /// Those across the axis: all, and those that support the pose.
     pub across: [usize; 2],
     /// Whether depth shows that it is not there.
     pub absent: bool,
+}
+
+impl Work {
+    /// The start of the work on a part that is believed to be at `x_wp`.
+    pub fn at(x_wp: Pose) -> Work {
+        Work {
+            x_wp,
+            marks: None,
+            depths: Depths::default(),
+            fitted: None,
+            candidates: 0,
+            places: Vec::new(),
+            moved: 0.0,
+            done: false,
+            across: [0; 2],
+            absent: false,
+        }
+    }
 }
 
 /// The pose of a part in the world, if the image supports it well enough.

@@ -6,9 +6,10 @@ use ramp_robot::{Camera, CameraModel, Image, Pose};
 use super::acceptance::{LEAST_STEPS, Work, accept, apart};
 use super::canvas::{Canvas, Lens};
 use super::contours::{Contour, Step, contours};
-use super::depths::{Depths, hides};
+use super::depths::Depths;
+use super::marks::{Mark, marks};
 use super::pose::{Place, settle, supports};
-use super::profile::{Photograph, distance, normal};
+use super::profile::Photograph;
 use super::scene::{Believed, Bodies, Found, Scene, Seen};
 use super::search::Pattern;
 use super::solids::Surface;
@@ -26,14 +27,23 @@ struct Reach {
     known: f64,
     /// That from which starts are searched for, m.
     vague: f64,
-    /// A part whose steps moved by less than this is not drawn again, pixels.
+    /// A part whose steps moved by less than this is not measured again, pixels.
     still: f64,
+    /// A part whose steps moved by more than this since it was drawn is drawn again, pixels.
+    redraw: f64,
 }
 
 const FROM_NEAR: Reach =
-    Reach { cell: 5, steps: 300, window: [8.0, 70.0], known: 9.0e-3, vague: 6.0e-3, still: 0.7 };
-const FROM_FAR: Reach =
-    Reach { cell: 2, steps: 160, window: [3.0, 16.0], known: 40.0e-3, vague: 3.5e-3, still: 0.2 };
+    Reach { cell: 5, steps: 300, window: [8.0, 70.0], known: 9.0e-3, vague: 6.0e-3, still: 0.7, redraw: 6.0 };
+const FROM_FAR: Reach = Reach {
+    cell: 2,
+    steps: 160,
+    window: [3.0, 16.0],
+    known: 40.0e-3,
+    vague: 3.5e-3,
+    still: 0.2,
+    redraw: 0.2,
+};
 /// Standard deviations within which a part is looked for.
 const SIGMAS: f64 = 3.0;
 /// Windows of the rounds after the first, pixels.
@@ -42,12 +52,12 @@ const LATER: [f64; 2] = [5.0, 3.0];
 const SLIP: f64 = 3.0e-3;
 /// A window of which all is looked at pixel by pixel.
 const WIDE: f64 = 12.0;
-/// Cosine of a step's normal and the axis from which it counts as across.
-const ACROSS: f64 = 0.8;
 /// Least number of drawn steps that can show that a part is not there, and the share of them that agrees
 /// where it is not.
 const MANY_STEPS: usize = 60;
 const REFUTED: f64 = 0.35;
+/// Nothing nearer than this is measured, m.
+const LEAST_DISTANCE: f64 = 0.01;
 /// Steps of a search, pixels: coarse, then fine.
 const SEARCH: [f64; 2] = [2.0, 0.7];
 /// Least support of the best start.
@@ -86,31 +96,23 @@ impl Look<'_> {
             .iter()
             .map(|part| {
                 let looked_for = wanted(part) && self.spread(part) < reach.known;
-                looked_for.then(|| Work {
-                    x_wp: part.x_wp,
-                    fitted: None,
-                    places: Vec::new(),
-                    candidates: 0,
-                    moved: 0.0,
-                    done: false,
-                    across: [0; 2],
-                    absent: false,
-                })
+                looked_for.then(|| Work::at(part.x_wp))
             })
             .collect();
         for round in 0..=LATER.len() {
             if works.iter().flatten().all(|work| work.done) {
                 break;
             }
-            let drawn = self.draw(canvas, &works);
-            for (part, (work, contour)) in self.scene.parts.iter().zip(works.iter_mut().zip(&drawn)) {
+            let to_draw = works.iter().flatten().any(|work| !work.done && work.marks.is_none());
+            let drawn = if to_draw { self.draw(canvas, &works) } else { Vec::new() };
+            for (index, (part, work)) in self.scene.parts.iter().zip(&mut works).enumerate() {
                 let Some(mut now) = work.take_if(|work| !work.done) else { continue };
                 let mut window = LATER[round.max(1) - 1];
                 if round == 0 {
                     let pixels = self.camera.focal[0] / (x_cw * now.x_wp).translation.z.max(0.1);
                     let spread = self.spread(part);
                     if spread + self.slack / SIGMAS > reach.vague {
-                        let Some(x_wp) = self.search(canvas, contour, part) else { continue };
+                        let Some(x_wp) = self.search(canvas, &drawn[index], part) else { continue };
                         // To be drawn there.
                         now.x_wp = x_wp;
                         *work = Some(now);
@@ -120,8 +122,15 @@ impl Look<'_> {
                     let [low, high] = reach.window;
                     window = ((SIGMAS * spread + self.slack) * pixels).max(least).clamp(low, high);
                 }
-                if self.fit(canvas, contour, part, &mut now, window).is_some() {
-                    // What hardly moved was drawn where it is.
+                // A wide window is looked through with larger pixels.
+                let scale = (window / WIDE).max(1.0);
+                if now.marks.is_none() {
+                    let (contour, x_cp) = (&drawn[index], x_cw * now.x_wp);
+                    let seen = (self.image, &self.photograph);
+                    now.marks = Some(marks((canvas, contour), seen, &x_cp, reach.steps, scale));
+                    now.depths = self.depths(canvas, contour, part, &x_cp);
+                }
+                if self.fit(&canvas.lens, part, &mut now, window, scale > 1.0).is_some() {
                     now.done = window <= reach.window[0] && now.moved < reach.still;
                     *work = Some(now);
                 }
@@ -158,8 +167,8 @@ impl Look<'_> {
         Look { bodies, photograph: self.photograph.clone(), camera, scene, x_wc, image, slack }
     }
 
-    /// All surfaces and their poses in the optical frame; of each part in work its number among them; and the
-    /// window around those.
+    /// All surfaces and their poses in the optical frame; of each part without marks its number among them;
+    /// and the window around those.
     #[allow(clippy::type_complexity)] // Three lists of one use.
     fn placed(
         &self,
@@ -175,7 +184,7 @@ impl Look<'_> {
             let Some(surface) = bodies.surfaces.get(&part.part) else { continue };
             let x_wp = works[index].as_ref().map_or(part.x_wp, |work| work.x_wp);
             let x_cp = x_cw * x_wp;
-            if works[index].as_ref().is_some_and(|work| !work.done) {
+            if works[index].as_ref().is_some_and(|work| !work.done && work.marks.is_none()) {
                 numbers[index] = Some(drawn.len() as u16);
                 if let Some([[x0, x1], [y0, y1]]) = canvas.bounds(surface, &x_cp) {
                     let [[a0, a1], [b0, b1]] = window.unwrap_or([[x0, x1], [y0, y1]]);
@@ -223,7 +232,7 @@ impl Look<'_> {
         self.paint(canvas, &drawn, [[0, w], [0, h]]);
     }
 
-    /// Draws everything, as far as it is near a part in work, and gives the contours of those.
+    /// Draws everything, as far as it is near a part without marks, and gives the contours of those.
     fn draw(&self, canvas: &mut Canvas, works: &[Option<Work>]) -> Vec<Contour> {
         let (drawn, numbers, window) = self.placed(canvas, works);
         const MARGIN: f64 = 24.0;
@@ -271,62 +280,42 @@ impl Look<'_> {
         })
     }
 
-    /// Measures the steps of a part and moves it until they agree.
-    fn fit(
-        &self,
-        canvas: &Canvas,
-        contour: &[Step],
-        part: &Believed,
-        work: &mut Work,
-        window: f64,
-    ) -> Option<()> {
+    /// Measures the marks of a part and moves it until they agree.
+    fn fit(&self, lens: &Lens, part: &Believed, work: &mut Work, window: f64, wide: bool) -> Option<()> {
         let x_cp = self.x_wc.inverse() * work.x_wp;
-        let x_pc = x_cp.inverse();
-        let stride = contour.len().div_ceil(self.reach().steps).max(1);
-        let axis = x_cp.rotation * Vector3::x();
-        work.places.clear();
-        work.candidates = 0;
-        let mut across: Vec<(bool, Option<Place>)> = Vec::new();
-        for step in contour.iter().step_by(stride) {
-            let Some(normal) = normal(canvas, step) else { continue };
-            let z = 1.0 / f64::from(canvas.near[step.inside]);
-            if hides(self.image, &self.photograph, canvas.lens.focal[0], step.at, z) {
-                continue;
+        let marks = work.marks.take()?;
+        let measured = |mark: &Mark| {
+            let p_c = x_cp * mark.p_p;
+            if p_c.z < LEAST_DISTANCE {
+                return None;
             }
-            let [x, y] = canvas.lens.direction(step.at);
-            let p_c = Point3::new(x * z, y * z, z);
-            work.candidates += 1;
-            let scale = (window / WIDE).max(1.0);
-            let off = distance(canvas, &self.photograph, step, normal, (window, scale));
-            let place = off.map(|off| Place {
-                p_p: x_pc * p_c,
-                normal,
-                along: normal[0] * step.at[0] + normal[1] * step.at[1] + off,
-            });
-            let along = canvas.lens.slope(&p_c) * axis;
-            let share = (along.x * normal[0] + along.y * normal[1]).abs() / along.norm().max(1.0e-9);
-            across.push((share > ACROSS, place));
-            work.places.extend(place);
-        }
-        let depths = self.depths(canvas, contour, part, &x_cp);
+            let (at, normal) = (lens.project(&p_c), mark.normal);
+            let off = mark.distance(&self.photograph, at, window, wide)?;
+            Some(Place { p_p: mark.p_p, normal, along: normal[0] * at[0] + normal[1] * at[1] + off })
+        };
+        let places: Vec<Option<Place>> = marks.iter().map(measured).collect();
+        work.places = places.iter().flatten().copied().collect();
+        work.candidates = marks.len();
         // In the hand it may have moved, and what is behind it is the hand.
-        work.absent = !part.held && (depths.show_absence() || self.refutes(work, work.places.len()));
+        work.absent = !part.held && (work.depths.show_absence() || self.refutes(work, work.places.len()));
         if work.places.len() < LEAST_STEPS {
+            work.marks = Some(marks);
             return work.absent.then_some(());
         }
-        let fitted = settle(&canvas.lens, &x_cp, &work.places, (self.level(part).as_ref(), &depths), window)?;
-        let good = |place: &Option<Place>| {
-            place.as_ref().is_some_and(|place| supports(&canvas.lens, &fitted.x_cp, place))
-        };
-        let over = || across.iter().filter(|(over, _)| *over);
+        let known = (self.level(part), &work.depths);
+        let fitted = settle(lens, &x_cp, &work.places, (known.0.as_ref(), known.1), window)?;
+        let good =
+            |place: &Option<Place>| place.as_ref().is_some_and(|place| supports(lens, &fitted.x_cp, place));
+        let over = || marks.iter().zip(&places).filter(|(mark, _)| mark.across);
         work.across = [over().count(), over().filter(|(_, place)| good(place)).count()];
-        let moved = |place: &Place| {
-            let [before, after] = [&x_cp, &fitted.x_cp].map(|x| canvas.lens.project(&(x * place.p_p)));
-            (after[0] - before[0]).hypot(after[1] - before[1])
-        };
+        let now = |p_p: &Point3<f64>| lens.project(&(fitted.x_cp * p_p));
+        let far = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
+        let moved = |place: &Place| far(lens.project(&(x_cp * place.p_p)), now(&place.p_p));
         work.absent |= !part.held && self.refutes(work, fitted.agreeing);
         work.moved = work.places.iter().map(moved).fold(0.0, f64::max);
         work.x_wp = self.x_wc * fitted.x_cp;
+        let since_drawn = marks.iter().map(|mark| far(mark.at, now(&mark.p_p))).fold(0.0, f64::max);
+        work.marks = (since_drawn < self.reach().redraw).then_some(marks);
         work.fitted = Some(fitted);
         Some(())
     }
@@ -369,6 +358,7 @@ impl Look<'_> {
         let shift = SIGMAS * covariance[(0, 0)].max(covariance[(1, 1)]).sqrt() + self.slack;
         let turn = SIGMAS * part.covariance[(5, 5)].sqrt();
         let lever = f64::from(radius).max(0.02);
+        let axes = [Vector3::x(), Vector3::y()].map(|axis| x_cw.rotation * axis);
         let mut best = (0.0, [0.0; 3]);
         for (step, range) in SEARCH
             .into_iter()
@@ -377,18 +367,16 @@ impl Look<'_> {
             let steps = [step * pixel, step * pixel / lever];
             let count = [0, 1].map(|axis| (range[axis] / steps[axis]).ceil() as i32);
             let centre: [f64; 3] = best.1;
-            for i in -count[0]..=count[0] {
-                for j in -count[0]..=count[0] {
-                    for k in -count[1]..=count[1] {
-                        let by = [
-                            centre[0] + f64::from(i) * steps[0],
-                            centre[1] + f64::from(j) * steps[0],
-                            centre[2] + f64::from(k) * steps[1],
-                        ];
-                        let x_wp = moved_on_table(&part.x_wp, &middle, by);
-                        let support = pattern.support(&self.photograph, &canvas.lens, &(x_cw * x_wp), best.0);
+            for k in -count[1]..=count[1] {
+                let turn = centre[2] + f64::from(k) * steps[1];
+                let x_wp = moved_on_table(&part.x_wp, &middle, [centre[0], centre[1], turn]);
+                let turned = pattern.at(&self.photograph, &canvas.lens, &(x_cw * x_wp), axes);
+                for i in -count[0]..=count[0] {
+                    for j in -count[0]..=count[0] {
+                        let shift = [i, j].map(|count| f64::from(count) * steps[0]);
+                        let support = turned.support(&self.photograph, shift, best.0);
                         if support > best.0 {
-                            best = (support, by);
+                            best = (support, [centre[0] + shift[0], centre[1] + shift[1], turn]);
                         }
                     }
                 }

@@ -2,13 +2,13 @@
 //!
 //! Data passes one way: [`solids`] turns the kit's solids and the hand into triangles; [`canvas`] draws all
 //! believed bodies through a lens without distortion; [`contours`] takes the places where the drawn colour
-//! steps and says to which part each belongs; [`profile`] measures how far from there the image has that
-//! step; [`depths`] does the same with measured depth, where there is some; [`pose`] moves a part until its
-//! steps lie on those of the image; [`search`] gives a start where a
-//! part is known only roughly. [`look`] does this for every part of a [`scene`] and draws it again with the
-//! new poses; [`acceptance`] rejects poses that the image does not support; [`lost`] looks for a peg that may
-//! be anywhere in any position, [`anywhere`] for beams and pegs that lie or stand as usual, but anywhere;
-//! [`finder`] is the whole.
+//! steps and says to which part each belongs; [`marks`] keeps of each what the drawing shows across it;
+//! [`profile`] measures how far from there the image has that step; [`depths`] does the same with measured
+//! depth, where there is some; [`pose`] moves a part until its steps lie on those of the image; [`search`]
+//! gives a start where a part is known only roughly. [`look`] does this for every part of a [`scene`],
+//! measures again where it is by then, and draws again what moved far; [`acceptance`] rejects poses that the
+//! image does not support; [`lost`] looks for a peg that may be anywhere in any position, [`anywhere`] for
+//! beams and pegs that lie or stand as usual, but anywhere; [`finder`] is the whole.
 //!
 //! Since the drawing has the neighbours, the fingers and the holders in it, hidden edges and parts in one
 //! another need no case of their own.
@@ -21,6 +21,7 @@ pub mod depths;
 pub mod finder;
 pub mod look;
 pub mod lost;
+pub mod marks;
 pub mod pose;
 pub mod profile;
 pub mod scene;

@@ -25,8 +25,11 @@ const FAR: f64 = 0.35;
 const BLUR: [f64; 2 * MARGIN + 1] = [0.03, 0.11, 0.22, 0.28, 0.22, 0.11, 0.03];
 const NO_BLUR: [f64; 2 * MARGIN + 1] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0];
 const MARGIN: usize = 3;
-/// Number of samples of a pattern.
-const SAMPLES: usize = 2 * (SUPPORT * FINE) as usize + 1;
+/// Number of samples of a pattern, and on one side of its middle.
+const SAMPLES: usize = 2 * HALF as usize + 1;
+const HALF: i32 = (SUPPORT * FINE) as i32;
+/// Least energy of a pattern that tells a place.
+const LEAST_ENERGY: f64 = 1.0e-7;
 
 /// An image, looked at by the pixels of a drawing.
 #[derive(Clone)]
@@ -105,76 +108,90 @@ pub fn normal(canvas: &Canvas, step: &Step) -> Option<[f64; 2]> {
     (length > 1.0e-4).then(|| [gx / length, gy / length])
 }
 
-/// Signed distance along its normal from a drawn step to that of the image, pixels of the drawing, looked for
-/// up to `reach` on both sides. A wide window is looked through with pixels `scale` times as large.
-pub fn distance(
-    canvas: &Canvas,
-    photograph: &Photograph,
-    step: &Step,
+/// What the drawing shows across a step: differences of light, weighted about the step.
+#[derive(Clone, Debug)]
+pub struct Profile {
+    /// The channel of the step.
+    channel: usize,
+    /// Direction in which the drawn light grows, and the size of a sample along it, pixels.
     normal: [f64; 2],
-    (reach, scale): (f64, f64),
-) -> Option<f64> {
-    let size = scale / FINE;
-    let half = (SUPPORT * FINE) as i32;
-    let far = (reach / size).ceil() as i32;
-    let at = |t: f64| [step.at[0] + t * normal[0], step.at[1] + t * normal[1]];
-    // The pattern: differences of the drawn light, blurred as lenses do, weighted about the step.
-    let mut sharp = [0.0; SAMPLES + 2 * MARGIN];
-    let margin = half + MARGIN as i32;
-    let mut before = drawn(canvas, &step.ground, step.channel, at((f64::from(-margin) - 0.5) * size))?;
-    for (value, index) in sharp.iter_mut().zip(-margin..=margin) {
-        let after = drawn(canvas, &step.ground, step.channel, at((f64::from(index) + 0.5) * size))?;
-        *value = after - before;
-        before = after;
-    }
-    let blur = if scale < 2.0 { BLUR } else { NO_BLUR };
-    let mut pattern = [0.0; SAMPLES];
-    let mut energy = 0.0;
-    for ((value, from), index) in pattern.iter_mut().zip(sharp.windows(blur.len())).zip(-half..=half) {
-        let difference: f64 = from.iter().zip(&blur).map(|(light, share)| light * share).sum();
-        let t = f64::from(index) / FINE;
-        *value = difference * (-0.5 * (t / WEIGHT).powi(2)).exp();
-        energy += difference * *value;
-    }
-    if energy < 1.0e-7 {
-        return None;
-    }
-    // The lens bends little over a window: a straight line through its ends.
-    let ends = [-1.0, 1.0].map(|side| photograph.place(at(side * reach)));
-    let [middle, along] = [0, 1].map(|which| {
-        [0, 1].map(|axis| match which {
-            0 => (ends[0][axis] + ends[1][axis]) / 2.0,
-            _ => (ends[1][axis] - ends[0][axis]) / (2.0 * reach),
-        })
-    });
-    let light = |t: f64| photograph.light(step.channel, [middle[0] + t * along[0], middle[1] + t * along[1]]);
-    let total = half + far;
-    let mut differences = Vec::with_capacity((2 * total + 1) as usize);
-    let mut before = light((f64::from(-total) - 0.5) * size)?;
-    for index in -total..=total {
-        let after = light((f64::from(index) + 0.5) * size)?;
-        differences.push(after - before);
-        before = after;
-    }
-    let scores: Vec<f64> = differences
-        .windows(SAMPLES)
-        .map(|window| pattern.iter().zip(window).map(|(a, b)| a * b).sum::<f64>() / energy)
-        .collect();
-    let offset = |index: usize| (index as f64 - f64::from(far)) * size;
-    let mut best: Option<(f64, usize)> = None;
-    for index in 1..scores.len() - 1 {
-        let score = scores[index];
-        if score < LEAST_CONTRAST || score < scores[index - 1] || score < scores[index + 1] {
-            continue;
+    size: f64,
+    /// The differences, blurred as lenses do.
+    pattern: [f64; SAMPLES],
+    /// Their product with themselves.
+    energy: f64,
+}
+
+impl Profile {
+    /// Across a step of a drawing. To be looked for far off, its pixels are `scale` times as large.
+    pub fn of(canvas: &Canvas, step: &Step, normal: [f64; 2], scale: f64) -> Option<Profile> {
+        let size = scale / FINE;
+        let light = |index: f64| {
+            let at = [0, 1].map(|axis| step.at[axis] + index * size * normal[axis]);
+            drawn(canvas, &step.ground, step.channel, at)
+        };
+        let mut sharp = [0.0; SAMPLES + 2 * MARGIN];
+        let margin = HALF + MARGIN as i32;
+        let mut before = light(f64::from(-margin) - 0.5)?;
+        for (value, index) in sharp.iter_mut().zip(-margin..=margin) {
+            let after = light(f64::from(index) + 0.5)?;
+            *value = after - before;
+            before = after;
         }
-        let value = score.min(FULL_CONTRAST) - FAR * (offset(index) / reach).powi(2);
-        if best.is_none_or(|(other, _)| value > other) {
-            best = Some((value, index));
+        let blur = if scale < 2.0 { BLUR } else { NO_BLUR };
+        let mut pattern = [0.0; SAMPLES];
+        let mut energy = 0.0;
+        for ((value, from), index) in pattern.iter_mut().zip(sharp.windows(blur.len())).zip(-HALF..=HALF) {
+            let difference: f64 = from.iter().zip(&blur).map(|(light, share)| light * share).sum();
+            let t = f64::from(index) / FINE;
+            *value = difference * (-0.5 * (t / WEIGHT).powi(2)).exp();
+            energy += difference * *value;
         }
+        (energy >= LEAST_ENERGY).then_some(Profile { channel: step.channel, normal, size, pattern, energy })
     }
-    let (_, index) = best?;
-    let (a, b, c) = (scores[index - 1], scores[index], scores[index + 1]);
-    let curve = a - 2.0 * b + c;
-    let between = if curve < 0.0 { 0.5 * (a - c) / curve } else { 0.0 };
-    Some(offset(index) + between * size)
+
+    /// Signed distance along the normal from where the step is drawn, `at` (pixels of the drawing), to that
+    /// of the image, pixels; looked for up to `reach` on both sides.
+    pub fn distance(&self, photograph: &Photograph, at: [f64; 2], reach: f64) -> Option<f64> {
+        let (size, normal) = (self.size, self.normal);
+        let far = (reach / size).ceil() as i32;
+        // The lens bends little over a window: a straight line through its ends.
+        let ends = [-1.0, 1.0]
+            .map(|side| photograph.place([0, 1].map(|axis| at[axis] + side * reach * normal[axis])));
+        let middle = [0, 1].map(|axis| (ends[0][axis] + ends[1][axis]) / 2.0);
+        let along = [0, 1].map(|axis| (ends[1][axis] - ends[0][axis]) / (2.0 * reach));
+        let light = |index: f64| {
+            let t = index * size;
+            photograph.light(self.channel, [middle[0] + t * along[0], middle[1] + t * along[1]])
+        };
+        let total = HALF + far;
+        let mut differences = Vec::with_capacity((2 * total + 1) as usize);
+        let mut before = light(f64::from(-total) - 0.5)?;
+        for index in -total..=total {
+            let after = light(f64::from(index) + 0.5)?;
+            differences.push(after - before);
+            before = after;
+        }
+        let scores: Vec<f64> = differences
+            .windows(SAMPLES)
+            .map(|window| self.pattern.iter().zip(window).map(|(a, b)| a * b).sum::<f64>() / self.energy)
+            .collect();
+        let offset = |index: usize| (index as f64 - f64::from(far)) * size;
+        let mut best: Option<(f64, usize)> = None;
+        for index in 1..scores.len() - 1 {
+            let score = scores[index];
+            if score < LEAST_CONTRAST || score < scores[index - 1] || score < scores[index + 1] {
+                continue;
+            }
+            let value = score.min(FULL_CONTRAST) - FAR * (offset(index) / reach).powi(2);
+            if best.is_none_or(|(other, _)| value > other) {
+                best = Some((value, index));
+            }
+        }
+        let (_, index) = best?;
+        let (a, b, c) = (scores[index - 1], scores[index], scores[index + 1]);
+        let curve = a - 2.0 * b + c;
+        let between = if curve < 0.0 { 0.5 * (a - c) / curve } else { 0.0 };
+        Some(offset(index) + between * size)
+    }
 }
