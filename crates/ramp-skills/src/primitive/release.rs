@@ -57,10 +57,7 @@ impl Workcell<'_, '_> {
             // first.
             let slow = (self.parameters.release.leaving, self.parameters.release.leaving_speed);
             // One that nothing holds down comes along altogether: its weight tells.
-            let weight = match last || !free {
-                true => f64::INFINITY,
-                false => self.parameters.release.hanging * held.mass * GRAVITY,
-            };
+            let weight = if last { f64::INFINITY } else { self.parameters.release.hanging * held.mass * GRAVITY };
             let follows = followed || !last && self.follows_a_finger(held)?;
             if !follows && self.lift_off(&[slow, fast], limit, weight)? {
                 self.belief.parts.update(&mut self.hand)?;
