@@ -30,7 +30,7 @@ impl Workcell<'_, '_> {
         let Some(held) = beam else {
             self.hand.grip(self.parameters.grip.peg_open, self.parameters.grip.opening_force)?;
             self.glance()?;
-            return self.lift_off(&[fast], f64::INFINITY, f64::INFINITY).map(|_| ());
+            return self.lift_off(&[fast], f64::INFINITY, None).map(|_| ());
         };
         let free = !self.stands(&held.part);
         for attempt in 0..=self.parameters.release.again {
@@ -56,10 +56,10 @@ impl Workcell<'_, '_> {
             // A beam that hangs on a finger comes along, and meets the upper edge of its joint: slowly at
             // first.
             let slow = (self.parameters.release.leaving, self.parameters.release.leaving_speed);
-            // One that nothing holds down comes along altogether: its weight tells.
-            let weight = if last { f64::INFINITY } else { self.parameters.release.hanging * held.mass * GRAVITY };
+            // One that comes along altogether tells by its weight.
+            let hanging = (!last).then_some(held);
             let follows = followed || !last && self.follows_a_finger(held)?;
-            if !follows && self.lift_off(&[slow, fast], limit, weight)? {
+            if !follows && self.lift_off(&[slow, fast], limit, hanging)? {
                 self.belief.parts.update(&mut self.hand)?;
                 break;
             }
@@ -141,12 +141,18 @@ impl Workcell<'_, '_> {
         Ok(())
     }
 
-    /// Lifts the hand off the released part, while the force is at most `limit` (N), and as long as the hand
-    /// carries at most `weight` (N) more at the end of a stage. Returns true if the hand is off. `stages` are
-    /// heights (m) and the speeds up to them (m/s).
-    fn lift_off(&mut self, stages: &[(f64, f64)], limit: f64, weight: f64) -> Result<bool, SkillError> {
+    /// Lifts the hand off the released part, while the force is at most `limit` (N), and as long as `hanging`
+    /// does not come along. Returns true if the hand is off. `stages` are heights (m) and the speeds up to them
+    /// (m/s).
+    fn lift_off(
+        &mut self,
+        stages: &[(f64, f64)],
+        limit: f64,
+        hanging: Option<&Held>,
+    ) -> Result<bool, SkillError> {
         let from = self.hand.setpoint;
         let before = self.hand.force();
+        let low = hanging.map(|held| self.height_of_grip(held)).transpose()?;
         for &(height, speed) in stages {
             let up = Translation3::new(0.0, 0.0, height) * from;
             let stopped = match self.hand.drive(&up, speed, |hand| (hand.force() - before).norm() > limit) {
@@ -154,11 +160,26 @@ impl Workcell<'_, '_> {
                 Err(SkillError::Fault(Fault::Overload { .. })) if limit.is_finite() => true,
                 stopped => stopped?,
             };
-            if stopped || (self.hand.force() - before).z > weight {
+            if stopped {
                 return Ok(false);
+            }
+            let Some((held, low)) = hanging.zip(low) else { continue };
+            let weight = self.parameters.release.hanging * held.mass * GRAVITY;
+            if (self.hand.force() - before).z > weight {
+                // The arm's own friction may feel like a beam: an image decides.
+                self.look_again(self.parameters.grip.looks)?;
+                if self.height_of_grip(held)? - low > height / 2.0 || self.is_at_a_finger(held)? {
+                    return Ok(false);
+                }
             }
         }
         Ok(true)
+    }
+
+    /// Height of the place by which a part was held, as is believed now, m.
+    fn height_of_grip(&self, held: &Held) -> Result<f64, SkillError> {
+        let gripped = held.x_tp.inverse() * Point3::origin();
+        Ok((self.belief.parts.pose(&held.part)? * gripped).z)
     }
 
     /// Opens the fingers to `width` (m). Around a beam that is `free`, that no joint would hold back, they
