@@ -215,6 +215,8 @@ parameters! {
         lift_limit: f64 = "N", 0.5, 100.0;
         /// Force against the motion at which sliding stops.
         limit: f64 = "N", 0.5, 100.0;
+        /// The same in all tries after the first: a rough arm feels its own friction and that of the sleeve.
+        most: f64 = "N", 0.5, 100.0;
         /// Distance from its place at which the beam is seated. A peg closes twice that gap.
         seated: f64 = "m", 1e-5, 0.02;
         /// Largest uncertainty of the joints that are to meet, 1 σ.

@@ -96,10 +96,11 @@ impl Workcell<'_, '_> {
                 break;
             }
             // Fingers that close on the same again: they are too high or too low for the slots.
-            let beside = [RIBS_BESIDE, BLOCKS_BESIDE]
-                .iter()
-                .any(|width| (self.hand.seen.width - width).abs() < self.parameters.feel.beside);
-            if attempt > 0 && is_beam && beside && self.find_slots(open)? {
+            let on = |width: &f64| (self.hand.seen.width - width).abs() < self.parameters.feel.beside;
+            let beside = [RIBS_BESIDE, BLOCKS_BESIDE].iter().any(on);
+            let feel = &self.parameters.feel;
+            let raise = if on(&BLOCKS_BESIDE) { feel.raise_blocks } else { feel.raise };
+            if attempt > 0 && is_beam && beside && self.find_slots(open, raise)? {
                 searched = true;
                 continue;
             }
@@ -128,7 +129,8 @@ impl Workcell<'_, '_> {
             let known = self.height_off.unwrap_or_default();
             // Within the room of the ribs in the slots, nothing is learned about the height.
             let more = self.hand.seen.x_wt.translation.z - x_wt.translation.z;
-            self.height_off = Some(if searched { known + more } else { known });
+            let is_arms = (known + more).abs() < self.parameters.feel.learned;
+            self.height_off = Some(if searched && is_arms { known + more } else { known });
         }
         self.belief.parts.follow(&self.hand);
         self.belief.parts.gripped(part, !is_beam);
@@ -176,13 +178,13 @@ impl Workcell<'_, '_> {
     }
 
     /// Fingers that have closed beside the slots of a beam, because the arm is higher or lower than it knows,
-    /// with their ribs or the blocks over them, come down along its sides from above, loosely closed, until
-    /// their ribs fall into the slots. Returns true if they did.
-    fn find_slots(&mut self, open: f64) -> Result<bool, SkillError> {
+    /// with their ribs or the blocks over them, come down along its sides from `raise` (m) above, loosely
+    /// closed, until their ribs fall into the slots. Returns true if they did.
+    fn find_slots(&mut self, open: f64, raise: f64) -> Result<bool, SkillError> {
         let feel = self.parameters.feel.clone();
         self.let_go_wide(open)?;
         let mut up = self.hand.setpoint;
-        up.translation.z += feel.raise;
+        up.translation.z += raise;
         self.hand.go(&up, feel.speed)?;
         self.hand.grip(BEAM_WIDTH - self.parameters.grip.squeeze, feel.force)?;
         self.hand.zero()?;

@@ -94,13 +94,19 @@ impl Slide {
         cell.belief.reckon_heights(beam);
         cell.grasp_standing(beam, s)?;
         cell.hand.zero()?;
+        // First once more with more force, then aimed aside.
+        let [straight, others @ ..] = self.parameters.aside;
+        let again = [straight].into_iter().chain(others).map(|aside| (aside, self.parameters.most));
         let mut jam = None;
-        for (attempt, aside) in self.parameters.aside.into_iter().enumerate() {
+        for (attempt, (aside, limit)) in
+            [(straight, self.parameters.limit)].into_iter().chain(again).enumerate()
+        {
             if attempt > 0 {
                 let retry = Retry::new("slide", &name).attempt(attempt + 1);
-                cell.record(retry.because(format!("aimed {:.1} mm aside", aside * 1e3)));
+                let because = format!("aimed {:.1} mm aside, with {limit:.0} N", aside * 1e3);
+                cell.record(retry.because(because));
             }
-            let tried = self.slide_once(cell, beam, aside);
+            let tried = self.slide_once(cell, beam, aside, limit);
             cell.belief.drag(beam, (self.parameters.dragged, self.parameters.dragged_turn));
             jam = tried?;
             if jam.is_none() {
@@ -115,8 +121,15 @@ impl Slide {
         Ok(())
     }
 
-    /// One try of a beam that is in the hand, its free end aimed `aside` (m) of where its female is.
-    fn slide_once(&self, cell: &mut Workcell, beam: usize, aside: f64) -> Result<Option<Fault>, SkillError> {
+    /// One try of a beam that is in the hand, its free end aimed `aside` (m) of where its female is, with at
+    /// most `limit` (N).
+    fn slide_once(
+        &self,
+        cell: &mut Workcell,
+        beam: usize,
+        aside: f64,
+        limit: f64,
+    ) -> Result<Option<Fault>, SkillError> {
         let placed = &cell.assembly.beams[beam];
         let name = placed.beam.name.clone();
         let goal = cell.belief.target(beam)?;
@@ -138,9 +151,8 @@ impl Slide {
         let here = cell.hand.corrected(&cell.belief.parts.pose(&name)?, &level);
         cell.hand.go(&here, self.parameters.speed)?;
         let forward = Translation3::from(out * to_go) * here;
-        let stopped = cell
-            .hand
-            .drive(&forward, self.parameters.speed, |hand| hand.force().dot(&out) > self.parameters.limit)?;
+        let stopped =
+            cell.hand.drive(&forward, self.parameters.speed, |hand| hand.force().dot(&out) > limit)?;
         let force = cell.hand.force().dot(&out);
         cell.hand.wait(self.parameters.rest)?;
         cell.belief.parts.update(&mut cell.hand)?;
