@@ -8,6 +8,7 @@ use ramp_robot::{EventKind, Retry, RobotError};
 use crate::cell::Workcell;
 use crate::fault::{Fault, SkillError};
 use crate::skill::Call;
+use crate::skill::insertion::Insertion;
 use crate::table::SkillTable;
 
 /// Pushes a standing beam to its place, by the reachable link that is nearest to its free end.
@@ -235,11 +236,14 @@ pub(crate) fn note_fault(cell: &mut Workcell, result: Result<(), SkillError>) ->
     }
 }
 
-/// Puts back what the hand holds or releases it in place, raises the hand, and looks.
+/// Releases a beam that is caught in a joint in place, puts back what else the hand holds, raises the hand,
+/// and looks.
 ///
 /// # Errors
 /// The robot's.
 pub(crate) fn clear_hand(skills: &SkillTable, cell: &mut Workcell) -> Result<(), RobotError> {
+    let done = Insertion::new(&cell.parameters).let_go_of_caught(cell);
+    note_fault(cell, done)?;
     let done = put_down(skills, cell);
     note_fault(cell, done)?;
     let done = cell.release();

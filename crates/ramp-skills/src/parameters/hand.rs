@@ -189,6 +189,11 @@ parameters! {
         hanging: f64 = "", 0.1, 2.0;
         /// Number of further releases of a beam that hangs on a rib. Chosen.
         again: usize = "", 0.0, 20.0;
+        /// Finger opening of those: ribs are out of their slots from 30 mm on, and a neighbour may stand close
+        /// by.
+        less_open: f64 = "m", 0.03, 0.08;
+        /// Steps along the beam in which a place is looked for where the fingers have room to open. Chosen.
+        room_step: f64 = "m", 1e-3, 0.1;
         /// Finger opening beyond a beam's width at which the ribs move freely in its slots without leaving
         /// them.
         in_slot: f64 = "m", 0.0, 0.02;

@@ -20,6 +20,9 @@ parameters! {
         loose_speed: f64 = "m/s", 1e-3, 0.5;
         /// Acceleration of such a push.
         loose_acceleration: f64 = "m/s²", 0.01, 10.0;
+        /// Force against the motion at which such a push stops however slowly it rises. Chosen: half of the
+        /// force at which the hand yields.
+        loose_most: f64 = "N", 0.5, 100.0;
         /// Speed before the males come to the mouths of their joints. Chosen.
         free_speed: f64 = "m/s", 1e-3, 0.5;
         /// Distance from its place at which a male reaches the mouth of its joint: it stalls there at 35 mm

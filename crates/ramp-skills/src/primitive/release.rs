@@ -6,7 +6,7 @@ use ramp_robot::{GRAVITY, Retry};
 use crate::Pose;
 use crate::cell::Workcell;
 use crate::fault::{Fault, SkillError};
-use crate::grasp::{BEAM_WIDTH, hand_down};
+use crate::grasp::{self, BEAM_WIDTH, hand_down};
 use crate::hand::Held;
 use crate::parameters::Parameters;
 
@@ -20,12 +20,12 @@ impl Workcell<'_, '_> {
         if self.hand.held.as_ref().is_some_and(|held| self.kit.beam(&held.part).is_some()) {
             self.straighten()?;
         }
-        let held = self.hand.held.take();
+        let mut held = self.hand.held.take();
         self.glance()?;
         if let Some(held) = &held {
             self.belief.parts.released(&held.part);
         }
-        let beam = held.as_ref().filter(|held| self.kit.beam(&held.part).is_some());
+        let beam = held.as_mut().filter(|held| self.kit.beam(&held.part).is_some());
         let fast = (self.parameters.release.lift_off, self.parameters.release.lift_off_speed);
         let Some(held) = beam else {
             self.hand.grip(self.parameters.grip.peg_open, self.parameters.grip.opening_force)?;
@@ -33,18 +33,28 @@ impl Workcell<'_, '_> {
             return self.lift_off(&[fast], f64::INFINITY, None).map(|_| ());
         };
         let free = !self.stands(&held.part);
+        let room = self.make_room(held, free)?;
+        let held = &*held;
         for attempt in 0..=self.parameters.release.again {
-            self.open(self.parameters.grip.beam_release, free)?;
+            let release = &self.parameters.release;
+            let width = if attempt == 0 { room } else { release.less_open };
+            let last = attempt == release.again;
+            self.open(width, free)?;
+            // A finger that meets a neighbour pushes the hand aside, and the rib of the other one stays in its
+            // slot.
+            let has_room = last || self.hand.force().norm() < self.parameters.release.beside_limit;
             self.belief.parts.update(&mut self.hand)?;
-            let last = attempt == self.parameters.release.again;
             // Nothing holds a free beam back: one that has come along with a finger hangs on its rib.
-            let followed = free && !last && self.is_at_a_finger(held)?;
+            let followed = !has_room || free && !last && self.is_at_a_finger(held)?;
             // The beam may have followed one finger: go back to its middle, so that neither rib hangs on it.
+            // Fingers that have closed on it once more are in its middle, wherever it is believed to be.
             let middle = self.belief.parts.pose(&held.part)? * held.x_tp.inverse();
             let here = self.hand.setpoint;
             let mut over = here;
-            over.translation.x = middle.translation.x;
-            over.translation.y = middle.translation.y;
+            if attempt == 0 {
+                over.translation.x = middle.translation.x;
+                over.translation.y = middle.translation.y;
+            }
             // A finger that meets the beam shows that it is not where it is believed: its rib would lift it.
             if self.hand.drive(&over, self.parameters.release.centre_speed, |hand| {
                 hand.force().norm() > self.parameters.release.beside_limit
@@ -64,17 +74,58 @@ impl Workcell<'_, '_> {
                 break;
             }
             let retry = Retry::new("let_go_of", &held.part).attempt(attempt + 2);
-            self.record(retry.because("it hangs on a finger"));
+            let because = if has_room { "it hangs on a finger" } else { "a finger has no room to open" };
+            self.record(retry.because(because));
             self.hand.relax();
             // A rib that has left its slot meets the beam on the way back: then the hand is free to retreat.
-            if !self.hand.drive(&low, self.parameters.release.back_speed, |hand| {
+            let back = self.hand.drive(&low, self.parameters.release.back_speed, |hand| {
                 -hand.force().z > self.parameters.release.beside_limit
-            })? {
+            });
+            // A hand that hangs may meet more than it yields to, and is free afterwards.
+            if !yielded(back)? {
                 self.hand.go(&here, self.parameters.release.back_speed)?;
                 self.centre_ribs(free)?;
             }
         }
         Ok(())
+    }
+
+    /// Where a neighbour is in the way of the fingers, slides the hand along the beam between them to the
+    /// nearest place where they can open. Gives the width (m) to which they can.
+    fn make_room(&mut self, held: &mut Held, free: bool) -> Result<f64, SkillError> {
+        let parameters = self.parameters.clone();
+        let Parameters { grip, release, .. } = &*parameters;
+        let (x_wt, x_wp) = (self.hand.setpoint, self.belief.parts.pose(&held.part)?);
+        let widths = [grip.beam_release, release.less_open];
+        if let Some(width) = widths.into_iter().find(|width| self.has_room(&x_wt, *width, &held.part)) {
+            return Ok(width);
+        }
+        let s = (held.x_tp.inverse() * Point3::origin()).x;
+        let links = self.kit.beam(&held.part).map_or(&[][..], |beam| &beam.links);
+        let spans = links.iter().map(|link| grasp::span(link, grip));
+        let Some([from, to]) = spans.min_by(|a, b| beside(*a, s).total_cmp(&beside(*b, s))) else {
+            return Ok(release.less_open);
+        };
+        let along = x_wp.rotation * Vector3::x();
+        let shifted = |by: f64| Translation3::from(along * by) * x_wt;
+        let count = ((to - from) / release.room_step).ceil() as i32;
+        let mut shifts: Vec<f64> = (-count..=count).map(|step| f64::from(step) * release.room_step).collect();
+        shifts.retain(|by| (from..=to).contains(&(s + by)));
+        shifts.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
+        let fits = |width: f64| {
+            let by = shifts.iter().find(|by| self.has_room(&shifted(**by), width, &held.part));
+            by.map(|by| (*by, width))
+        };
+        let Some((by, width)) = widths.into_iter().find_map(fits) else { return Ok(release.less_open) };
+        let because = format!("{:.0} mm along the beam, where the fingers have room", by * 1e3);
+        self.record(Retry::new("let_go_of", &held.part).because(because));
+        self.open(BEAM_WIDTH + release.in_slot, free)?;
+        self.hand.zero()?;
+        self.hand
+            .drive(&shifted(by), release.centre_speed, |hand| hand.force().norm() > release.beside_limit)?;
+        self.hand.relax();
+        held.x_tp = self.hand.seen.x_wt.inverse() * x_wp;
+        Ok(width)
     }
 
     /// Whether a beam stands in the assembly, as is believed.
@@ -157,7 +208,7 @@ impl Workcell<'_, '_> {
             let up = Translation3::new(0.0, 0.0, height) * from;
             let stopped = match self.hand.drive(&up, speed, |hand| (hand.force() - before).norm() > limit) {
                 // An estimated wrench shows the limit only when the real force exceeds it.
-                Err(SkillError::Fault(Fault::Overload { .. })) if limit.is_finite() => true,
+                stopped if limit.is_finite() => yielded(stopped)?,
                 stopped => stopped?,
             };
             if stopped {
@@ -240,6 +291,19 @@ impl Workcell<'_, '_> {
         self.hand.wait(rest)?;
         Ok(())
     }
+}
+
+/// Whether a motion ended before its end, or the hand yielded.
+fn yielded(stopped: Result<bool, SkillError>) -> Result<bool, SkillError> {
+    match stopped {
+        Err(SkillError::Fault(Fault::Overload { .. })) => Ok(true),
+        stopped => stopped,
+    }
+}
+
+/// Distance of a place on a beam from a stretch of it, m.
+fn beside([from, to]: [f64; 2], s: f64) -> f64 {
+    (from - s).max(s - to).max(0.0)
 }
 
 /// How far a hand leans, rad.

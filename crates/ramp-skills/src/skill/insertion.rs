@@ -167,8 +167,9 @@ impl Insertion {
             self.parameters;
         let pace = if loose { (loose_speed, loose_acceleration) } else { (speed, acceleration) };
         let stopped = cell.hand.drive_in_line(target, arrives.as_ref(), pace, |hand| {
-            let met = if loose { rise.sense(hand) } else { hand.force().dot(&direction) };
-            met > limit
+            let force = hand.force().dot(&direction);
+            // A rise that is slow is no edge; yet what meets this much does not go on.
+            if loose { rise.sense(hand) > limit || force > self.parameters.loose_most } else { force > limit }
         })?;
         let force = cell.hand.force().dot(&direction);
         cell.hand.wait(self.parameters.rest)?;
@@ -229,6 +230,31 @@ impl Insertion {
             }
         }
         Err(jam.into())
+    }
+
+    /// Lets go of the held beam where it is if it is caught in a joint: lifted, it would tear at the frame.
+    /// From then on it counts as standing, short of its place.
+    ///
+    /// # Errors
+    /// The fault that stopped the motion, or the robot's error.
+    pub fn let_go_of_caught(&self, cell: &mut Workcell) -> Result<(), SkillError> {
+        let held = cell.hand.held.as_ref().and_then(|held| cell.assembly.beam_index(&held.part));
+        let Some(beam) = held.filter(|beam| cell.belief.paths.contains_key(beam)) else { return Ok(()) };
+        let name = cell.assembly.beams[beam].beam.name.clone();
+        let start = cell.belief.insertion_start(beam, 0.0)?;
+        let x_wb = cell.belief.parts.pose(&name)?;
+        let direction = cell.belief.insertion_direction(beam, &cell.belief.target(beam)?)?;
+        let way = x_wb.translation.vector - start.translation.vector;
+        let entered = way.dot(&direction);
+        let aside = (way - direction * entered).norm();
+        if entered > self.parameters.back_caught && aside < self.parameters.back_caught {
+            let text = format!("{name} is {:.0} mm in its joint: it is let go of there", entered * 1e3);
+            cell.record(EventKind::Note { text });
+            cell.belief.standing.push(beam);
+            self.let_go(cell, beam)?;
+            cell.remember_standing(&[beam]);
+        }
+        Ok(())
     }
 
     /// Lowers the free end of the inserted beam onto the table, and lets go.
