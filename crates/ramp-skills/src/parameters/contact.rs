@@ -42,8 +42,8 @@ parameters! {
         raise: f64 = "m", 1e-3, 0.02;
         /// The same if the blocks over the ribs stand on the sides: the hand is far too low.
         raise_blocks: f64 = "m", 1e-3, 0.05;
-        /// Largest error of the arm's heights that a search for the slots teaches: what is more is an error of
-        /// the beam's height.
+        /// Largest error of the arm's heights that a search for the slots teaches: what is more is an error
+        /// of the beam's height.
         learned: f64 = "m", 1e-4, 0.02;
         /// Way down from there in which the ribs have to find the slots.
         depth: f64 = "m", 1e-3, 0.05;

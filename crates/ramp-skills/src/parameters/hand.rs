@@ -184,13 +184,14 @@ parameters! {
         /// Force of each finger that opens while its rib is wedged in the slot of a beam. Source: the Franka
         /// Hand's continuous force is 70 N.
         wedged_force: f64 = "N", 1.0, 140.0;
-        /// Share of its weight that the rising hand carries if a beam that nothing holds hangs on a finger.
-        /// Measured: 0.8 to 1 where it hangs, at most 0.4 where it lies.
+        /// Share of its weight that the rising hand carries from which a beam may hang on a finger, which an
+        /// image then decides. Measured: 0.8 to 1 where it hangs, at most 0.4 where it lies; a rough arm
+        /// feels as much by its own friction.
         hanging: f64 = "", 0.1, 2.0;
         /// Number of further releases of a beam that hangs on a rib. Chosen.
         again: usize = "", 0.0, 20.0;
-        /// Finger opening of those: ribs are out of their slots from 30 mm on, and a neighbour may stand close
-        /// by.
+        /// Finger opening of those: ribs are out of their slots from 30 mm on, and a neighbour may stand
+        /// close by.
         less_open: f64 = "m", 0.03, 0.08;
         /// Steps along the beam in which a place is looked for where the fingers have room to open. Chosen.
         room_step: f64 = "m", 1e-3, 0.1;

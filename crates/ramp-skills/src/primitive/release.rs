@@ -40,8 +40,8 @@ impl Workcell<'_, '_> {
             let width = if attempt == 0 { room } else { release.less_open };
             let last = attempt == release.again;
             self.open(width, free)?;
-            // A finger that meets a neighbour pushes the hand aside, and the rib of the other one stays in its
-            // slot.
+            // A finger that meets a neighbour pushes the hand aside, and the rib of the other one stays in
+            // its slot.
             let has_room = last || self.hand.force().norm() < self.parameters.release.beside_limit;
             self.belief.parts.update(&mut self.hand)?;
             // Nothing holds a free beam back: one that has come along with a finger hangs on its rib.
@@ -193,8 +193,8 @@ impl Workcell<'_, '_> {
     }
 
     /// Lifts the hand off the released part, while the force is at most `limit` (N), and as long as `hanging`
-    /// does not come along. Returns true if the hand is off. `stages` are heights (m) and the speeds up to them
-    /// (m/s).
+    /// does not come along. Returns true if the hand is off. `stages` are heights (m) and the speeds up to
+    /// them (m/s).
     fn lift_off(
         &mut self,
         stages: &[(f64, f64)],
@@ -280,8 +280,9 @@ impl Workcell<'_, '_> {
         let rest = self.parameters.hand.rest;
         let way = (down.translation.vector - self.hand.setpoint.translation.vector).norm();
         let within = way / release.table_speed + release.table_time;
-        // A hand that leans grips the beam loosely first.
-        let opens_at = (lean(&self.hand.setpoint) < self.parameters.carry.tilted)
+        // A hand that leans grips the beam loosely first, and one without room goes along the beam.
+        let upright = lean(&self.hand.setpoint) < self.parameters.carry.tilted;
+        let opens_at = (upright && self.has_room(&down, grip.beam_release, &name))
             .then(|| self.hand.open_ahead(grip.beam_release, grip.opening_force, within + rest))
             .flatten();
         let limit = release.table_limit;
