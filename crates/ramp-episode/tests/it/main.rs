@@ -9,6 +9,7 @@ mod easy_class;
 mod events;
 mod faults;
 mod given;
+mod hard_world;
 mod logs;
 mod logs_of_cheats;
 mod medium_and_hard;
