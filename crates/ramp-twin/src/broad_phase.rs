@@ -9,11 +9,10 @@
 
 use std::sync::Arc;
 
-use mujoco_rs::mujoco_c::{mj_step, mjModel};
+use mujoco_rs::mujoco_c::mj_step;
 use mujoco_rs::prelude::*;
 use nalgebra::Vector3;
 
-use crate::couples::Couples;
 use crate::extent::Extent;
 use crate::mjcf::classes::is_arm;
 use crate::pieces::{Piece, Pieces, part_of};
@@ -40,8 +39,6 @@ pub(crate) struct BroadPhase {
     gone: Vec<usize>,
     /// Pieces of parts, of which only some are needed.
     pieces: Pieces,
-    /// Parts that touch as they fall asleep.
-    couples: Couples,
     /// The bodies of the arm.
     arm: Vec<usize>,
     /// The number of geoms of the world and the arm, which come first in the model.
@@ -78,9 +75,8 @@ impl BroadPhase {
         let masks = [vec![0; bodies], vec![0; bodies]];
         let near = vec![false; bodies];
         let (boxes, queue, gone) = (extents.clone(), Vec::new(), Vec::new());
-        let couples = Couples::default();
         let poses = vec![([f64::NAN; 3], [f64::NAN; 4]); bodies];
-        BroadPhase { extents, boxes, poses, near, queue, masks, gone, pieces, couples, arm, first_geoms }
+        BroadPhase { extents, boxes, poses, near, queue, masks, gone, pieces, arm, first_geoms }
     }
 
     /// Lets these bodies touch nothing any more.
@@ -91,30 +87,8 @@ impl BroadPhase {
 
     /// Steps the physics, as [`MjData::step`] does.
     pub fn step(&mut self, data: &mut MjData<Arc<MjModel>>) {
-        self.couples.begin(data);
         self.place(data);
         self.find(data);
-        let mut view = self.view(data);
-        // It also sorts bodies along the axes in which all geoms spread most, and takes that spread anew at
-        // every step. The geoms of the arm do as well: the pairs that it finds do not depend on the axes.
-        view.ngeom = self.first_geoms;
-        #[expect(unsafe_code, reason = "the engine's own step takes no model but the data's")]
-        // SAFETY: as said at `view`. It has fewer geoms than its arrays hold.
-        unsafe {
-            mj_step(&raw const view, data.ffi_mut());
-        }
-        if self.couples.fell_asleep(data) {
-            self.near.fill(true);
-            let view = self.view(data);
-            self.couples.join(data, view);
-        }
-    }
-
-    /// The model as the engine is to see it: what is left out touches nothing.
-    ///
-    /// All its pointers are those of the data's model, which lives as long as the data, but for two arrays of
-    /// the same length, which live as long as `self`. The engine keeps no pointer to a model.
-    fn view(&mut self, data: &MjData<Arc<MjModel>>) -> mjModel {
         let model = data.model();
         // The whole world's geoms collide with whatever is awake.
         self.near[0] = true;
@@ -126,11 +100,20 @@ impl BroadPhase {
             }
         }
         // The model is shared and never changes: the engine gets a table of contents of its own, with other
-        // columns for what can touch something.
+        // columns for what can touch something. It also sorts bodies along the axes in which all geoms spread
+        // most, and takes that spread anew at every step. The geoms of the arm do as well: the pairs that it
+        // finds do not depend on the axes.
         let mut view = model.ffi().clone();
         let [contype, conaffinity] = &mut self.masks;
         (view.body_contype, view.body_conaffinity) = (contype.as_mut_ptr(), conaffinity.as_mut_ptr());
-        view
+        view.ngeom = self.first_geoms;
+        #[expect(unsafe_code, reason = "the engine's own step takes no model but the data's")]
+        // SAFETY: all pointers of `view` are those of the data's model, which lives as long as the data, but
+        // for two arrays of the same length, which live longer than the call. It has fewer geoms than they
+        // hold. The engine keeps no pointer to a model.
+        unsafe {
+            mj_step(&raw const view, data.ffi_mut());
+        }
     }
 
     /// Places the boxes of all bodies in the world.

@@ -9,7 +9,6 @@
 mod broad_phase;
 pub mod cameras;
 mod clamp;
-mod couples;
 pub mod drawing;
 mod drive;
 mod engine;
