@@ -250,7 +250,10 @@ impl Insertion {
         if entered > self.parameters.back_caught && aside < self.parameters.back_caught {
             let text = format!("{name} is {:.0} mm in its joint: it is let go of there", entered * 1e3);
             cell.record(EventKind::Note { text });
-            cell.belief.standing.push(beam);
+            // One that was pushed stands already.
+            if !cell.belief.standing.contains(&beam) {
+                cell.belief.standing.push(beam);
+            }
             self.let_go(cell, beam)?;
             cell.remember_standing(&[beam]);
         }
