@@ -90,8 +90,8 @@ impl Workcell<'_, '_> {
         Ok(())
     }
 
-    /// Where a neighbour is in the way of the fingers, slides the hand along the beam between them to the
-    /// nearest place where they can open. Gives the width (m) to which they can.
+    /// Slides a hand whose fingers a neighbour leaves no room along the beam between them, to the nearest
+    /// place where they can open. Gives the width (m) to which they can.
     fn make_room(&mut self, held: &mut Held, free: bool) -> Result<f64, SkillError> {
         let parameters = self.parameters.clone();
         let Parameters { grip, release, .. } = &*parameters;

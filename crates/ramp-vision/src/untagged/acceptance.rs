@@ -34,7 +34,7 @@ const POINTS: usize = 12;
 pub struct Work {
     /// Its pose in the world by now.
     pub x_wp: Pose,
-    /// What of its drawing can be measured; `None` if it is to be drawn (again).
+    /// The steps of its drawing that can be measured; `None` if it is to be drawn (again).
     pub marks: Option<Vec<Mark>>,
     /// The depths measured of it, in its frame.
     pub depths: Depths,

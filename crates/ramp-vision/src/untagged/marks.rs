@@ -17,15 +17,15 @@ const ACROSS: f64 = 0.8;
 pub struct Mark {
     /// On the part, m.
     pub p_p: Point3<f64>,
-    /// Where it was drawn.
+    /// Its place in the drawing, pixels.
     pub at: [f64; 2],
     /// Unit vector in the drawing along which its place is measured.
     pub normal: [f64; 2],
     /// Whether it tells where the part is along its axis.
     pub across: bool,
-    /// What is looked for near where it is drawn.
+    /// The profile that is looked for near its drawn place.
     near: Option<Profile>,
-    /// What is looked for in a first window that is wide, with larger pixels.
+    /// The same with larger pixels, for a first window that is wide.
     wide: Option<Profile>,
 }
 

@@ -108,7 +108,7 @@ pub fn normal(canvas: &Canvas, step: &Step) -> Option<[f64; 2]> {
     (length > 1.0e-4).then(|| [gx / length, gy / length])
 }
 
-/// What the drawing shows across a step: differences of light, weighted about the step.
+/// The drawing across a step: differences of light, weighted about the step.
 #[derive(Clone, Debug)]
 pub struct Profile {
     /// The channel of the step.
