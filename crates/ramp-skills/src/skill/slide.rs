@@ -103,7 +103,10 @@ impl Slide {
         {
             if attempt > 0 {
                 let retry = Retry::new("slide", &name).attempt(attempt + 1);
-                let because = format!("aimed {:.1} mm aside, with {limit:.0} N", aside * 1e3);
+                let because = match aside {
+                    0.0 => format!("pushed with {limit:.0} N"),
+                    _ => format!("aimed {:.1} mm aside, with {limit:.0} N", aside * 1e3),
+                };
                 cell.record(retry.because(because));
             }
             let tried = self.slide_once(cell, beam, aside, limit);
