@@ -18,7 +18,7 @@ pub const SCHEMA: &str = "ramp-episode-5";
 const OLDER_SCHEMAS: [&str; 2] = ["ramp-episode-3", "ramp-episode-4"];
 
 /// Version of the rules by which episodes are judged (`docs/src/reference/rules.md`).
-pub const RULES: &str = "ramp-rules-8";
+pub const RULES: &str = "ramp-rules-9";
 
 /// Everything recorded about one episode.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -16,6 +16,10 @@ use crate::pieces::part_of;
 /// Time in which the clamp follows a force, s. Chosen: as a beam of half a kilogram on 200 N/mm, half of the
 /// critical damping.
 const TIME: f64 = 3e-3;
+/// The clamp is at most so fast, m/s. Chosen: a blow of hundreds of newtons would else move the beam so far
+/// within a period that the parts on it push back harder still, without end. From this speed a frame of 1 kg
+/// takes up 50 N.
+const SPEED: f64 = 0.05;
 
 /// The clamp of a scene.
 #[derive(Clone)]
@@ -59,7 +63,7 @@ impl Clamp {
         let force: Vector3<f64> = self.bodies.iter().map(force).sum();
         let Some(base) = self.bodies.first().filter(|_| force != Vector3::zeros()) else { return };
         let off = Vector3::from(data.xpos()[*base]) - self.place;
-        let change = (force * self.give - off) * (PERIOD / TIME);
+        let change = ((force * self.give - off) * (PERIOD / TIME)).cap_magnitude(SPEED * PERIOD);
         let shift = |at: &mut [f64; 3]| *at = (Vector3::from(*at) + change).into();
         for body in &self.bodies {
             shift(&mut data.xpos_mut()[*body]);

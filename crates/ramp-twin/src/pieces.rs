@@ -1,9 +1,10 @@
 //! Pieces of parts: rigid bodies that hold the shapes which are seldom needed, and when each is needed.
 //!
 //! A piece is left out of the search for contacts where nothing is near that could meet it. Then nothing
-//! changes. Only one choice changes the physics: a stem whose peg is seated meets a square hole, the four
-//! boxes around the round one. Its play grows from 0.25 to 0.35 mm on the diagonals. All follows from the
-//! poses of the moment, so a snapshot and a replay make the same choice.
+//! changes. Only one choice changes the physics: a stem whose peg is seated meets square holes, the four
+//! boxes around each round one. Its play grows from 0.25 to 0.35 mm on the diagonals, and stays so when
+//! another stem comes near. All follows from the poses of the moment, so a snapshot and a replay make the
+//! same choice.
 
 use std::sync::Arc;
 
@@ -72,6 +73,7 @@ struct Placed {
 /// A stem that something may meet now.
 #[derive(Clone)]
 struct Stem {
+    body: usize,
     extent: Extent,
     is_seated: bool,
 }
@@ -113,7 +115,7 @@ impl Pieces {
                     && boxes[hole.part].is_some_and(|it| it.touches(&extent))
                     && is_seated(data, stem, hole)
             });
-            self.stems.push(Stem { extent, is_seated });
+            self.stems.push(Stem { body: stem.body, extent, is_seated });
         }
         for piece in &self.pieces {
             near[piece.body] = near[piece.part]
@@ -126,7 +128,11 @@ impl Pieces {
                     }
                     Piece::Ring => {
                         let own = in_world(data, piece, 0.0);
-                        self.stems.iter().any(|stem| !stem.is_seated && stem.extent.touches(&own))
+                        let mut near = self.stems.iter().filter(|stem| stem.extent.touches(&own));
+                        // A hole that a seated stem fills has no room for another one.
+                        let is_filled =
+                            |stem: &Stem| stem.is_seated && is_in(&seen_from(data, stem.body, piece));
+                        near.clone().any(|stem| !stem.is_seated) && !near.any(is_filled)
                     }
                     Piece::Grip => {
                         let own = in_world(data, piece, room);
@@ -140,10 +146,19 @@ impl Pieces {
 /// Whether the peg of a stem is seated in a hole: its head lies on the plate, and its axis is that of the
 /// hole.
 fn is_seated(data: &MjData<Arc<MjModel>>, stem: &Placed, hole: &Placed) -> bool {
-    let apart = Vector3::from(data.xpos()[stem.body]) - Vector3::from(data.xpos()[hole.body]);
-    let at = Matrix3::from_row_slice(&data.xmat()[hole.body]).transpose() * apart;
-    let plate = hole.extent.half.z;
-    at.x.abs() < ASIDE && at.y.abs() < ASIDE && (at.z.abs() - plate).abs() < FLUSH
+    let at = seen_from(data, stem.body, hole);
+    is_in(&at) && (at.z.abs() - hole.extent.half.z).abs() < FLUSH
+}
+
+/// The origin of a body in the frame of a hole, m.
+fn seen_from(data: &MjData<Arc<MjModel>>, body: usize, hole: &Placed) -> Vector3<f64> {
+    let apart = Vector3::from(data.xpos()[body]) - Vector3::from(data.xpos()[hole.body]);
+    Matrix3::from_row_slice(&data.xmat()[hole.body]).transpose() * apart
+}
+
+/// Whether a place in the frame of a hole is on the hole's axis.
+fn is_in(at: &Vector3<f64>) -> bool {
+    at.x.abs() < ASIDE && at.y.abs() < ASIDE
 }
 
 fn in_world(data: &MjData<Arc<MjModel>>, piece: &Placed, room: f64) -> Extent {

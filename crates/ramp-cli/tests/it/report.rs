@@ -126,7 +126,7 @@ fn what_does_not_belong_together_is_refused() {
     // Replacements in a result, and the message expected for each.
     let cases = [
         ("ramp-episode-5", "ramp-episode-1", "is of the schema `ramp-episode-1`"),
-        ("ramp-rules-8", "ramp-rules-0", "was judged by the rules ramp-rules-0"),
+        ("ramp-rules-9", "ramp-rules-0", "was judged by the rules ramp-rules-0"),
         ("\"completion\": 1.0", "\"completion\": 0.9", "`completion` is 0.9, and 3 of 3 pegs count"),
         ("\"total\": 164.0", "\"total\": 163.0", "`time.total` is 163 s"),
         ("\"t_robot\": 44.6", "\"t_robot\": 444.6", "C1 is pinned since 444.6 s"),
@@ -169,7 +169,7 @@ fn a_leaderboard_takes_whole_classes_only() {
     done(&ramp(&folder, &["score", "log.csv", "-o", "all/one"]));
     done(&ramp(&folder, &["leaderboard", "all", "-o", "site"]));
     let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
-    let page = read("site/board-easy-tags-real-robot-ramp-rules-8.html");
+    let page = read("site/board-easy-tags-real-robot-ramp-rules-9.html");
     assert!(page.contains("real robot") && page.contains("agent-1.html") && page.contains("our-system"));
     assert!(folder.path().join("site/agent-1.html").exists());
     std::fs::remove_file(folder.path().join("all/one/easy-3-tags-4.json")).unwrap();

@@ -18,7 +18,7 @@ pub(crate) const BEGIN: u64 = 1_700_000_000;
 
 fn run() -> Value {
     json!({
-        "schema": "ramp-poses-1", "rules": "ramp-rules-8", "goal": "easy-1", "repeat": 2, "track": "tags",
+        "schema": "ramp-poses-1", "rules": "ramp-rules-9", "goal": "easy-1", "repeat": 2, "track": "tags",
         "agent": "our-system", "version": "2.1", "robot": "Franka Research 3", "computer": "a laptop", "cores": 8,
         "scorer": "A. Person", "source": "bench 2 of our lab",
         "begin": {"sec": BEGIN, "nsec": 0}, "planning": 3.5, "end": {"sec": BEGIN + 200, "nsec": 0}, "ended": "done",

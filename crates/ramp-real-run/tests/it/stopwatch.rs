@@ -94,7 +94,7 @@ fn what_cannot_have_happened_is_refused_where_it_stands() {
         ("1:30,,p2 dropped", "1:30,p2 dropped", 21, "a peg is named in a line `fault`"),
         ("easy-1,2,out C2", "easy-1,2,out C3", 23, "no peg is in C3 yet"),
         ("track,tags", "track,eyes", 6, "there is no track `eyes`"),
-        ("rules,ramp-rules-8", "rules,7", 3, "the rules are of version `7`"),
+        ("rules,ramp-rules-9", "rules,7", 3, "the rules are of version `7`"),
         ("scorer,A. Person\n", "", 10, "nothing above the table says `scorer`"),
         ("scorer,A. Person", "agent,again", 10, "`agent` is given twice"),
         ("log,ramp-stopwatch-1", "log,ramp-stopwatch-9", 2, "`ramp-stopwatch-9`"),

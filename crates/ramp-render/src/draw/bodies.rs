@@ -1,6 +1,7 @@
 //! Bodies and the tags on them, drawn into the buffers.
 
-use super::light::{light_on, linear, reflection};
+use super::lamp::{Corner, FULLY, Lit};
+use super::light::{lamp_on, linear, mixed, reflection, shade_on};
 use super::renderer::{Renderer, SeenTag, TAG};
 use super::rigid::Rigid;
 use super::triangles::NEAR;
@@ -30,23 +31,48 @@ impl Renderer {
         self.project(&camera, &surface.mesh);
         let mesh = &surface.mesh;
         let eye = Rigid::new(&self.x_wc).shift;
+        let mut lamp_corners = std::mem::take(&mut self.corners);
+        lamp_corners.clear();
+        lamp_corners.resize(mesh.points.len(), None);
         for ((triangle, normal), colour) in mesh.triangles.iter().zip(&surface.normals).zip(&mesh.colours) {
             let corners = triangle.map(|corner| self.screen[corner as usize]);
             let next = self.palette.len() as u32;
             if self.triangle(&corners, next) {
                 let turned = world.turned(normal);
-                let light = light_on(&turned) * body.tone;
+                let (shade, lamp) = (shade_on(&turned) * body.tone, lamp_on(&turned) * body.tone);
+                let place = |corner: u32| world.moved(&mesh.points[corner as usize]);
+                // A face that turns away from the lamp may still mirror it a little at its edge.
+                let lit = if lamp > 0.0 {
+                    let mut known = triangle
+                        .map(|at| lamp_corners[at as usize].unwrap_or_else(|| Corner::new(&place(at))));
+                    let lit = self.lit(known.each_mut(), index as u16);
+                    triangle
+                        .iter()
+                        .zip(known)
+                        .for_each(|(at, known)| lamp_corners[*at as usize] = Some(known));
+                    lit
+                } else {
+                    Lit::Evenly(FULLY)
+                };
                 let glint = if looks.glint > 0.0 && *colour == METAL {
-                    looks.glint * reflection(&turned, &eye, &world.moved(&mesh.points[triangle[0] as usize]))
+                    looks.glint * reflection(&turned, &eye, &place(triangle[0]))
                 } else {
                     0.0
                 };
-                let [r, g, b] = colour.map(|share| linear(share * light + glint));
-                self.palette.push([r, g, b]);
+                let full = colour.map(|share| linear(share * (shade + lamp) + glint));
+                let dark = || colour.map(|share| linear(share * shade));
+                let (shown, dark) = match lit {
+                    Lit::Evenly(FULLY) => (full, None),
+                    Lit::Evenly(lit) => (mixed(full, dark(), lit), None),
+                    Lit::Partly => (full, Some(dark())),
+                };
+                self.palette.push(shown);
+                self.dark.push(dark);
                 self.owner.push(index as u16);
                 self.metal.push(*colour == METAL);
             }
         }
+        self.corners = lamp_corners;
         for sticker in &body.tags {
             self.tag(sticker, x_wb, x_cb, index as u16);
         }
@@ -96,13 +122,30 @@ impl Renderer {
         };
         let last = std::array::from_fn(|column| turn[(2, column)] as f32);
         let normal = (x_wb * sticker.place.x_pg).rotation * Vector3::z();
-        let light = light_on(&[normal.x as f32, normal.y as f32, normal.z as f32]);
-        let [white, black] = TAG_LIGHT.map(|share| share * light);
-        let share = |count: usize| count as f32 / PLACES as f32;
+        let normal = [normal.x as f32, normal.y as f32, normal.z as f32];
+        let world = Rigid::new(&(x_wb * sticker.place.x_pg));
+        let half = 0.5 * sticker.size;
+        let corners = [[-half, -half, 0.0], [half, -half, 0.0], [half, half, 0.0], [-half, half, 0.0]];
+        let mut corners = corners.map(|at| Corner::new(&world.moved(&at)));
+        let (shade, lamp) = (shade_on(&normal), lamp_on(&normal));
+        let [a, b, c, d] = corners.each_mut();
+        let lit = match (self.lit([a, b, c], body), self.lit([a, c, d], body)) {
+            (lit, other) if lit == other => lit,
+            _ => Lit::Partly,
+        };
+        let levels = |light: f32| -> [u16; PLACES + 1] {
+            let [white, black] = TAG_LIGHT.map(|share| share * light);
+            let share = |count: usize| count as f32 / PLACES as f32;
+            std::array::from_fn(|count| linear(black + (white - black) * share(count)))
+        };
         self.tags.push(SeenTag {
             sticker: sticker.clone(),
             rows: [row(0), row(1), last],
-            light: std::array::from_fn(|count| linear(black + (white - black) * share(count))),
+            light: levels(match lit {
+                Lit::Evenly(lit) => shade + lamp * lit as f32 / FULLY as f32,
+                Lit::Partly => shade + lamp,
+            }),
+            dark: (lit == Lit::Partly).then(|| levels(shade)),
             body,
         });
     }

@@ -1,12 +1,17 @@
 //! Every pixel coloured once, and blurred as the lens does.
 
+use super::lamp::FULLY;
+use super::light::mixed;
 use super::renderer::{Renderer, SeenTag, TAG};
+use super::rigid::Rigid;
 use super::table::{Node, Table};
 use crate::looks::Looks;
 use ramp_robot::Pose;
 
 /// Pixels along a row for which the way to the next direction is taken to be the same.
 const STRETCH: usize = 16;
+/// Pixels on a body over which the lamp's light goes straight: fewer than the edge of a shadow has.
+const FADE: usize = 8;
 /// Values of a block of a row: 16 pixels. A block of one colour, with neighbours of the same, stays as it is.
 const BLOCK: usize = 3 * 16;
 
@@ -65,6 +70,7 @@ impl Renderer {
         let mut mixed = vec![0u16; 3 * width];
         let table = Table::new(looks, x_wc, &self.lens.model);
         let columns = width.div_ceil(table.stride) + 1;
+        let camera = Rigid::new(x_wc);
         // From a place that the camera has kept, the places that it sees on the table are the same.
         let known = self.nodes_from == Some(*x_wc);
         let mut nodes = std::mem::take(&mut self.nodes);
@@ -77,7 +83,7 @@ impl Renderer {
                     table.place_nodes(looks, map.0, self.lens.row(y), nodes);
                 }
                 table.light_nodes(map.1, nodes);
-                self.colour_row(looks, &table, y, nodes, &mut light[3..3 * (width + 1)]);
+                self.colour_row(looks, (&table, &camera), y, nodes, &mut light[3..3 * (width + 1)]);
                 light.copy_within(3..6, 0);
                 light.copy_within(3 * width..3 * (width + 1), 3 * (width + 1));
                 rows[y % 3].take(&light);
@@ -94,11 +100,23 @@ impl Renderer {
         (self.nodes, self.nodes_from) = (nodes, Some(*x_wc));
     }
 
-    fn colour_row(&self, looks: &Looks, table: &Table<'_>, y: usize, nodes: &mut [Node], light: &mut [u16]) {
+    fn colour_row(
+        &self,
+        looks: &Looks,
+        (table, camera): (&Table<'_>, &Rigid),
+        y: usize,
+        nodes: &mut [Node],
+        light: &mut [u16],
+    ) {
         let width = self.lens.model.width;
         let [dx, dy] = self.lens.row(y);
         let map: (&[u8], &[u32]) = (&self.bare, &self.soft);
-        let shown = &self.shown[y * width..][..width];
+        let (shown, near) = (&self.shown[y * width..][..width], &self.near[y * width..][..width]);
+        // Light of the lamp at the place that a pixel shows.
+        let lamp = |at: usize, body: u16| {
+            let far = 1.0 / near[at];
+            self.lamp_at(&camera.moved(&[dx[at] * far, dy[at] * far, far]), body)
+        };
         let mut x = 0;
         while x < width {
             // A run of pixels that show one thing.
@@ -117,8 +135,23 @@ impl Renderer {
                     from = to;
                 }
             } else if what & TAG == 0 {
-                let colour = self.palette[what as usize];
-                light[3 * x..3 * end].as_chunks_mut().0.fill(colour);
+                let (colour, body) = (self.palette[what as usize], self.owner[what as usize]);
+                let pixels = light[3 * x..3 * end].as_chunks_mut().0;
+                match self.dark[what as usize] {
+                    None => pixels.fill(colour),
+                    Some(dark) => {
+                        let mut from = lamp(x, body) as i32;
+                        for (pixels, at) in pixels.chunks_mut(FADE).zip((x..).step_by(FADE)) {
+                            let next = (at + FADE).min(end - 1);
+                            let to = lamp(next, body) as i32;
+                            let step = ((to - from) << 8) / (next - at).max(1) as i32;
+                            for (light, count) in pixels.iter_mut().zip(0..) {
+                                *light = mixed(colour, dark, (from + ((count * step) >> 8)) as u32);
+                            }
+                            from = to;
+                        }
+                    }
+                }
             } else {
                 let tag = &self.tags[(what & !TAG) as usize];
                 let mut steps = [[0.0; 2]; 2];
@@ -126,7 +159,13 @@ impl Renderer {
                     if (at - x).is_multiple_of(STRETCH) {
                         steps = self.lens.step(at, y);
                     }
-                    light.fill(tag_pixel(tag, steps, [dx[at], dy[at]]));
+                    let count = tag_pixel(tag, steps, [dx[at], dy[at]]);
+                    let lit = tag.dark.map(|dark| (dark[count], lamp(at, tag.body)));
+                    let full = tag.light[count];
+                    light.fill(match lit {
+                        Some((dark, lit)) if lit < FULLY => mixed([full; 3], [dark; 3], lit)[0],
+                        _ => full,
+                    });
                 }
             }
             x = end;
@@ -144,9 +183,10 @@ fn run(shown: &[u32]) -> usize {
     whole + shown[whole..].iter().take_while(|next| **next == what).count()
 }
 
-/// Brightness of a pixel that sees a tag along a direction; `steps` lead to the next pixels' directions.
+/// How many of a pixel's places are white that sees a tag along a direction; `steps` lead to the next pixels'
+/// directions.
 #[inline]
-fn tag_pixel(tag: &SeenTag, steps: [[f32; 2]; 2], [dx, dy]: [f32; 2]) -> u16 {
+fn tag_pixel(tag: &SeenTag, steps: [[f32; 2]; 2], [dx, dy]: [f32; 2]) -> usize {
     let [[xx, xy, xz], [yx, yy, yz], [wx, wy, wz]] = tag.rows;
     let one = 1.0 / (wx * dx + wy * dy + wz);
     let at = [(xx * dx + xy * dy + xz) * one, (yx * dx + yy * dy + yz) * one];
@@ -155,7 +195,7 @@ fn tag_pixel(tag: &SeenTag, steps: [[f32; 2]; 2], [dx, dy]: [f32; 2]) -> u16 {
         let fall = wx * sx + wy * sy;
         [(xx * sx + xy * sy - at[0] * fall) * one, (yx * sx + yy * sy - at[1] * fall) * one]
     });
-    tag.light[tag.sticker.cells.white(at[0], at[1], right, below)]
+    tag.sticker.cells.white(at[0], at[1], right, below)
 }
 
 /// Copies a block or what is left of one; a whole one without a call.

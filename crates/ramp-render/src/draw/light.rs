@@ -11,8 +11,18 @@ const LAMP: f32 = 0.55;
 
 /// Brightness of a surface with this unit normal (world); 1 is white in full light.
 pub(super) fn light_on(normal: &[f32; 3]) -> f32 {
+    shade_on(normal) + lamp_on(normal)
+}
+
+/// The part of its brightness that is left in a shadow.
+pub(super) fn shade_on(normal: &[f32; 3]) -> f32 {
+    AMBIENT + SKY * normal[2]
+}
+
+/// The part of its brightness that comes from the lamp.
+pub(super) fn lamp_on(normal: &[f32; 3]) -> f32 {
     let lamp = normal[0] * LIGHT[0] + normal[1] * LIGHT[1] + normal[2] * LIGHT[2];
-    AMBIENT + SKY * normal[2] + LAMP * lamp.max(0.0)
+    LAMP * lamp.max(0.0)
 }
 
 /// How narrow reflections are: the power of the cosine of the angle to a mirror's normal (Blinn and Phong).
@@ -39,6 +49,13 @@ pub(super) fn linear(value: f32) -> u16 {
 #[inline]
 pub(super) fn shine(colour: u32, lit: u32) -> [u16; 3] {
     [0, 8, 16].map(|shift| ((((colour >> shift & 255) * lit) >> 8) as u16).min(FULL))
+}
+
+/// A colour between that in full light and that in shadow, where the lamp gives `lit` of 256.
+#[inline]
+pub(super) fn mixed(full: [u16; 3], dark: [u16; 3], lit: u32) -> [u16; 3] {
+    let mix = |full: u16, dark: u16| ((u32::from(full) * lit + u32::from(dark) * (256 - lit)) >> 8) as u16;
+    std::array::from_fn(|channel| mix(full[channel], dark[channel]))
 }
 
 /// A colour of which shadows leave `left` of 256.

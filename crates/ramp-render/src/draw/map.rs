@@ -25,8 +25,9 @@ pub(super) fn shadow_size() -> [usize; 2] {
     TABLE.map(|[from, to]| ((to - from) * SHADOW_SCALE).ceil() as usize)
 }
 
-/// Marks the cells of a triangle, whichever way round it goes.
-pub(super) fn fill(map: &mut [u8], columns: usize, rows: usize, corners: &[[f32; 3]; 3]) {
+/// The cells of a triangle, whichever way round it goes: gives the row of each, its first and its last.
+pub(super) fn cells(corners: &[[f32; 3]; 3], mut each: impl FnMut(usize, usize, usize)) {
+    let [columns, rows] = shadow_size();
     let low = corners.iter().fold(f32::INFINITY, |low, p| low.min(p[1]));
     let high = corners.iter().fold(f32::NEG_INFINITY, |high, p| high.max(p[1]));
     let first = (low - 0.5).ceil().max(0.0);
@@ -48,7 +49,7 @@ pub(super) fn fill(map: &mut [u8], columns: usize, rows: usize, corners: &[[f32;
         let from = (from - 0.5).ceil().max(0.0);
         let to = (to - 0.5).floor().min(columns as f32 - 1.0);
         if from <= to {
-            map[y * columns + from as usize..=y * columns + to as usize].fill(255);
+            each(y, from as usize, to as usize);
         }
     }
 }

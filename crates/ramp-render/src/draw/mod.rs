@@ -1,11 +1,12 @@
 //! From poses and a camera to pixels: a depth buffer says which triangle each pixel shows, then every pixel
 //! is coloured once.
 //!
-//! `picture` goes through the stages on the buffers of the `renderer`: `bodies` (with `triangles`), `shadow`
-//! (on the `map` of the table), and `expose` (with `table` where no body is seen).
+//! `picture` goes through the stages on the buffers of the `renderer`: `shadow` (on the `map` of the table),
+//! `bodies` (with `triangles`, and `lamp` for their light), and `expose` (with `table` where no body is seen).
 
 mod bodies;
 mod expose;
+mod lamp;
 mod light;
 mod map;
 mod picture;

@@ -1,5 +1,6 @@
 //! One picture, from the scene to the image.
 
+use super::lamp::Roof;
 use super::renderer::{NOTHING, Renderer};
 use super::rigid::Rigid;
 use super::scene::Scene;
@@ -59,35 +60,40 @@ impl Renderer {
 
     /// Which body each pixel would show, as [`Renderer::segmentation`] has it, without a picture.
     pub fn bodies(&mut self, scene: &Scene, x_wc: &Pose) -> Vec<u16> {
-        self.place(scene, x_wc);
+        self.place(scene, x_wc, false);
         self.segmentation()
     }
 
     /// Draws one moment, and hands over the linear light of one row after another.
     fn draw(&mut self, scene: &Scene, x_wc: &Pose, row: impl FnMut(&[u16])) {
-        let looks = self.place(scene, x_wc);
+        let looks = self.place(scene, x_wc, true);
         if let Some(tag) = &looks.sheet_tag {
             self.tag(tag, &Pose::identity(), &x_wc.inverse(), NOTHING);
         }
-        self.cast_shadows(&looks, scene, &Rigid::new(&x_wc.inverse()));
         self.expose(&looks, x_wc, row);
     }
 
-    /// Clears the buffers and draws all bodies into them.
-    fn place(&mut self, scene: &Scene, x_wc: &Pose) -> Arc<Looks> {
+    /// Clears the buffers and draws all bodies into them, with or without shadows.
+    fn place(&mut self, scene: &Scene, x_wc: &Pose, with_shadows: bool) -> Arc<Looks> {
         self.near.fill(0.0);
         self.shown.fill(0);
         self.palette.clear();
+        self.dark.clear();
         self.owner.clear();
         self.metal.clear();
         self.tags.clear();
         self.x_wc = *x_wc;
         // Colour 0 is nothing.
         self.palette.push([0; 3]);
+        self.dark.push(None);
         self.owner.push(NOTHING);
         self.metal.push(false);
         let looks = Arc::clone(&self.looks);
         let x_cw = x_wc.inverse();
+        self.roofs.fill(Roof::NONE);
+        if with_shadows {
+            self.cast_shadows(&looks, scene, &Rigid::new(&x_cw));
+        }
         for (index, x_wb) in &scene.bodies {
             self.body(&looks, *index, x_wb, &(x_cw * x_wb));
         }

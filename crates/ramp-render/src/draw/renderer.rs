@@ -1,5 +1,6 @@
 //! The buffers of one camera, and the last picture in them.
 
+use super::lamp::{Corner, Roof};
 use super::map::{TABLE, bare, shadow_size};
 use super::rigid::Rigid;
 use super::table::Node;
@@ -24,6 +25,8 @@ pub(super) struct SeenTag {
     pub(super) rows: [[f32; 3]; 3],
     /// Brightness of a pixel of which that many [`PLACES`] are white.
     pub(super) light: [u16; PLACES + 1],
+    /// The same in shadow, if an edge of a shadow may cross it.
+    pub(super) dark: Option<[u16; PLACES + 1]>,
     pub(super) body: u16,
 }
 
@@ -36,6 +39,8 @@ pub struct Renderer {
     /// Content of each pixel: 0 nothing, a colour of the palette, or a tag.
     pub(super) shown: Vec<u32>,
     pub(super) palette: Vec<[u16; 3]>,
+    /// Each colour of the palette in shadow, if an edge of a shadow may cross what has it.
+    pub(super) dark: Vec<Option<[u16; 3]>>,
     /// The body of each colour of the palette.
     pub(super) owner: Vec<u16>,
     /// Whether each colour of the palette is that of metal.
@@ -47,7 +52,10 @@ pub struct Renderer {
     /// Places on the table by rows of the image, and the camera's pose that they are seen from.
     pub(super) nodes: Vec<Node>,
     pub(super) nodes_from: Option<Pose>,
-    pub(super) shadow: Vec<u8>,
+    /// What the lamp meets above each cell of the map.
+    pub(super) roofs: Vec<Roof>,
+    /// Corners of the body that is being drawn, once they are known.
+    pub(super) corners: Vec<Option<Corner>>,
     /// Sums while shadows' edges are made soft.
     pub(super) sums: [Vec<u16>; 2],
     /// Content of each cell of the map: [`TABLE_TOP`], [`PAPER`] or [`DETAIL`].
@@ -68,6 +76,7 @@ impl Renderer {
             near: vec![0.0; count],
             shown: vec![0; count],
             palette: Vec::new(),
+            dark: Vec::new(),
             owner: Vec::new(),
             metal: Vec::new(),
             tags: Vec::new(),
@@ -75,7 +84,8 @@ impl Renderer {
             screen: Vec::new(),
             nodes: Vec::new(),
             nodes_from: None,
-            shadow: vec![0; cells[0] * cells[1]],
+            roofs: vec![Roof::NONE; cells[0] * cells[1]],
+            corners: Vec::new(),
             sums: [0, 1].map(|_| vec![0; cells[0] * cells[1]]),
             soft: vec![0; cells[0] * cells[1]],
         }

@@ -1,7 +1,8 @@
-//! Shadows on the table: bodies drawn onto its map as the lamp sees them, with soft edges.
+//! Shadows: bodies drawn onto the map of the table as the lamp sees them. Those on the table have soft edges.
 
+use super::lamp::{along_light, plane};
 use super::light::LIGHT;
-use super::map::{SHADOW_SCALE, TABLE, WIDE, fill, shadow_size, spread};
+use super::map::{WIDE, cells, shadow_size, spread};
 use super::renderer::Renderer;
 use super::rigid::Rigid;
 use super::scene::Scene;
@@ -12,39 +13,38 @@ use crate::looks::Looks;
 const SHADOW_EDGE: f32 = 0.1;
 
 impl Renderer {
-    /// Marks on a map of the table the cells in shadow that `camera` (the world's pose in it) may see.
+    /// Sets what the lamp meets above each cell of the map, of all that throws a shadow on what `camera` (the
+    /// world's pose in it) may see, and the shadows on the table.
     pub(super) fn cast_shadows(&mut self, looks: &Looks, scene: &Scene, camera: &Rigid) {
-        let [columns, rows] = shadow_size();
-        self.shadow.fill(0);
+        let [columns, _] = shadow_size();
         for (index, x_wb) in &scene.bodies {
             let Some(body) = looks.bodies().get(*index) else { continue };
             let world = Rigid::new(x_wb);
             let (centre, radius) = body.ball;
             let [x, y, z] = world.moved(&centre);
-            let down = z / LIGHT[2];
-            let middle = [x - LIGHT[0] * down, y - LIGHT[1] * down, 0.0];
-            if !self.in_view(camera, (middle, radius / LIGHT[2] + SHADOW_EDGE)) {
+            // Something in its shadow lies between it and the table.
+            let half = 0.5 * z.max(0.0) / LIGHT[2];
+            let middle = [x - LIGHT[0] * half, y - LIGHT[1] * half, 0.5 * z];
+            if !self.in_view(camera, (middle, half + radius / LIGHT[2] + SHADOW_EDGE)) {
                 continue;
             }
             self.screen.clear();
-            for point in &body.shadow.points {
-                let [x, y, z] = world.moved(point);
-                let down = z.max(0.0) / LIGHT[2];
-                self.screen.push([
-                    (x - LIGHT[0] * down - TABLE[0][0]) * SHADOW_SCALE,
-                    (y - LIGHT[1] * down - TABLE[1][0]) * SHADOW_SCALE,
-                    0.0,
-                ]);
-            }
+            self.screen.extend(body.shadow.points.iter().map(|point| along_light(&world.moved(point))));
             for triangle in &body.shadow.triangles {
                 let corners = triangle.map(|corner| self.screen[corner as usize]);
-                fill(&mut self.shadow, columns, rows, &corners);
+                let height = plane(&corners);
+                cells(&corners, |row, from, to| {
+                    let roofs = &mut self.roofs[row * columns + from..=row * columns + to];
+                    for (roof, column) in roofs.iter_mut().zip(from..) {
+                        roof.raise(height(column as f32 + 0.5, row as f32 + 0.5), *index as u16);
+                    }
+                });
             }
         }
         // Soft edges: the lamp is not a point. Then, wider, where there is any shadow at all.
         let [sums, marks] = &mut self.sums;
-        for (sum, shadow) in sums.iter_mut().zip(&self.shadow) {
-            *sum = u16::from(*shadow);
+        for (sum, roof) in sums.iter_mut().zip(&self.roofs) {
+            *sum = if roof.is_none() { 0 } else { 255 };
         }
         spread(sums, marks, columns);
         for (mark, sum) in marks.iter_mut().zip(&*sums) {

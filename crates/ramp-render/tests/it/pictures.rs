@@ -87,3 +87,27 @@ fn a_picture_depends_on_no_earlier_one() {
         assert!(image == new.render(&scene(y), &x_wc, &mut Sensor::ideal()), "{y} {x_wc}");
     }
 }
+
+/// A part between the lamp and another one takes its light, and one on the other side does not.
+#[test]
+fn a_part_throws_a_shadow_on_another() {
+    let kit = read_kit(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/kit.xml")).unwrap();
+    let looks = Arc::new(Looks::new(&kit, None).unwrap());
+    let model = CameraModel::nominal(Camera::BirdsEye, TIP);
+    let mut renderer = Renderer::new(Arc::clone(&looks), &model);
+    let [low, high] = ["p1", "p2"].map(|name| looks.body(name).unwrap());
+    let middle = 3 * (model.height / 2 * model.width + model.width / 2);
+    let mut red = |beside: Option<f64>| {
+        let mut bodies = vec![(low, Pose::translation(0.6, 0.0, 0.04))];
+        // The lamp stands to the right and behind the camera: 0.30, −0.34, 0.89.
+        let at = |along: f64| Pose::translation(0.6 + 0.30 * along, -0.34 * along, 0.04 + 0.89 * along.abs());
+        bodies.extend(beside.map(|along| (high, at(along))));
+        let image = renderer.render(&Scene { bodies }, &model.x_wc(&Pose::identity()), &mut Sensor::ideal());
+        f64::from(image[middle])
+    };
+    let alone = red(None);
+    assert_eq!(alone, red(Some(-0.13)), "the lamp is on the other side");
+    // Of 1.04 of light 0.55 are left.
+    let left = (red(Some(0.13)) / alone).powf(2.2);
+    assert!((left - 0.55 / 1.04).abs() < 0.02, "{left}");
+}

@@ -86,11 +86,11 @@ fn a_board_has_fifty_on_a_page_and_the_front_page_the_best_of_each() {
     let refused = vec![Refusal { entry: "<u>bad".into(), reason: "no <s>log".into() }; 51];
     let pages = pages::pages(&boards, &refused, &|_| vec![("kit".into(), "<u>hash".into())]);
     let names: Vec<&str> = pages.iter().map(|(name, _)| name.as_str()).collect();
-    let state = "board-easy-state-ramp-rules-8";
+    let state = "board-easy-state-ramp-rules-9";
     let expected = [
         format!("{state}.html"),
         format!("{state}-2.html"),
-        "board-easy-tags-ramp-rules-8.html".into(),
+        "board-easy-tags-ramp-rules-9.html".into(),
         "refused.html".into(),
         "refused-2.html".into(),
         "index.html".into(),

@@ -1,10 +1,11 @@
 //! The clamp of the base beam under a force.
 
-use nalgebra::{Vector3, Vector6};
+use nalgebra::{Translation3, Vector3, Vector6};
+use ramp_kit::joint::FEMALE_HEIGHT;
 use ramp_kit::source::SourceFile;
 use ramp_robot::{ArmCommand, Command, GripperCommand, Impedance, Robot, Track};
 use ramp_testing::GoalFiles;
-use ramp_twin::{SceneOptions, Setup, Twin, World};
+use ramp_twin::{Layout, SceneOptions, Setup, Twin, World};
 
 /// Mean force on a beam that the closed hand presses down on, N, and how far below its place each of
 /// `watched` is on average, least and most over the last half second, m. `along` is a place on the beam, m.
@@ -71,4 +72,39 @@ fn a_rigid_frame_gives_as_one() {
         assert!(force > 5.0, "the hand does not press: {force} N");
         assert!((off / 1e-5 / force - 1.0).abs() < 0.1, "{watched}: {off} m under {force} N");
     }
+}
+
+/// A blow on the frame, as a hand that runs into it gives, does not shake it to pieces: the clamp that gives
+/// most gives in and comes back.
+#[test]
+fn a_blow_on_the_frame_dies_down() {
+    let goal = GoalFiles::new("hard-1");
+    let assembly = &goal.assembly;
+    let setup = Setup { world: World::shipped("hard").unwrap(), ..goal.setup(Track::State, 1) };
+    let mut layout = Layout::new(assembly, setup.start, setup.seed);
+    for (name, x_wb) in &mut layout.beams {
+        let placed = assembly.beams.iter().find(|placed| placed.beam.name == *name);
+        *x_wb = placed.map_or(*x_wb, |placed| assembly.kit.x_wa() * placed.x_ab);
+    }
+    for (connection, (_, x_wp)) in assembly.connections.iter().zip(&mut layout.pegs) {
+        let hole = assembly.kit.x_wa() * assembly.p_a_hole(connection.female);
+        *x_wp = Translation3::new(hole.x, hole.y, hole.z + FEMALE_HEIGHT / 2.0).into();
+    }
+    let mut twin = Twin::with_layout(&setup, layout).unwrap();
+    twin.settle(400).unwrap();
+    let clamped = twin.part_names().position(|part| part == "b7").unwrap();
+    let place = twin.truth().x_wp[clamped].translation.vector;
+    for beam in ["b1", "b4", "b5", "b9"] {
+        twin.knock(beam, &Vector3::new(0.0, 0.0, 2.0), &Vector3::zeros());
+    }
+    let off = |twin: &Twin| (twin.truth().x_wp[clamped].translation.vector - place).norm();
+    let mut most = 0.0f64;
+    for _ in 0..100 {
+        twin.settle(1).unwrap();
+        most = most.max(off(&twin));
+    }
+    twin.settle(400).unwrap();
+    let rest = off(&twin);
+    assert!(most > 0.02e-3, "the blow does not reach the clamp: {most} m");
+    assert!(most < 1e-3 && rest < 0.02e-3, "it moved by up to {most} m, and is {rest} m off");
 }
