@@ -5,6 +5,7 @@ use ramp_robot::{Camera, CameraModel};
 use ramp_vision::Calibration;
 
 use super::estimate::{Estimate, covariance};
+use super::repeats::Repeats;
 use crate::Pose;
 use crate::parameters::belief::EyesParameters;
 
@@ -36,6 +37,8 @@ pub struct Eye {
     pub bad: usize,
     /// The last image that was of use: one black image is like another, and no camera repeats it.
     pub last: Vec<u8>,
+    /// The places from which it has seen parts.
+    pub repeats: Repeats,
 }
 
 impl Eye {
@@ -43,7 +46,15 @@ impl Eye {
     pub fn new(camera: Camera, parameters: &EyesParameters) -> Eye {
         let [position, angle] = calibration(parameters);
         let covariance = covariance([position; 3], [angle; 3]);
-        Eye { camera, model: None, calibration: None, covariance, bad: 0, last: Vec::new() }
+        Eye {
+            camera,
+            model: None,
+            calibration: None,
+            covariance,
+            bad: 0,
+            last: Vec::new(),
+            repeats: Repeats::default(),
+        }
     }
 
     /// Whether it is no longer used.

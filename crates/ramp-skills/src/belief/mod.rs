@@ -10,6 +10,7 @@ pub mod part;
 pub mod parts;
 mod places;
 mod poses;
+mod repeats;
 mod strewn;
 pub mod surroundings;
 

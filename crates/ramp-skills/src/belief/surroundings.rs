@@ -119,11 +119,15 @@ impl SceneReader {
         let slack = slack(&eye.covariance, &x_wc);
         let seen =
             self.finder.find(image, &model, &scene, &wanted, slack).map_err(|error| error.to_string())?;
+        let mut repeats = std::mem::take(&mut eye.repeats);
         let sighting = |part: Found| {
-            let seen = Estimate { x: part.x_wp, covariance: part.covariance * parameters.common };
+            let x_cp = x_wc.inverse() * part.x_wp;
+            let factor = repeats.factor(&part.part, &x_cp, parameters);
+            let seen = Estimate { x: part.x_wp, covariance: part.covariance * factor };
             eye.sighting(part.part, seen, &x_wc, image.x_wt)
         };
         let mut sightings: Vec<Sighting> = seen.found.into_iter().map(sighting).collect();
+        eye.repeats = repeats;
         let is_lost = |part: &&Believed| {
             part.part != *base
                 && !part.held

@@ -84,7 +84,7 @@ impl Workcell<'_, '_> {
             // A hand that hangs may meet more than it yields to, and is free afterwards.
             if !yielded(back)? {
                 self.hand.go(&here, self.parameters.release.back_speed)?;
-                self.centre_ribs(free)?;
+                self.centre_ribs(free, self.kit.beam(&held.part).map_or(0.0, |beam| beam.mass()))?;
             }
         }
         Ok(())
@@ -245,8 +245,9 @@ impl Workcell<'_, '_> {
 
     /// Closes on the beam between the fingers, loosely, and brings their ribs to the middle of its slots: on
     /// one that presses against the upper edge of its slot the beam hangs by friction, and follows that
-    /// finger however far it opens.
-    pub fn centre_ribs(&mut self, free: bool) -> Result<(), SkillError> {
+    /// finger however far it opens. `carried` (kg) is the mass of a beam that may hang on the ribs now: on the
+    /// way down what it lies on takes over its weight.
+    pub fn centre_ribs(&mut self, free: bool, carried: f64) -> Result<(), SkillError> {
         self.hand.grip(BEAM_WIDTH - self.parameters.grip.squeeze, self.parameters.release.loose_grip)?;
         let mut down = self.hand.setpoint;
         down.translation.z -= self.parameters.release.slot_depth;
@@ -258,9 +259,8 @@ impl Workcell<'_, '_> {
         self.open(BEAM_WIDTH + self.parameters.release.in_slot, free)?;
         self.hand.zero()?;
         down.translation.z = self.hand.setpoint.translation.z - self.parameters.release.slot_depth;
-        self.hand.drive(&down, self.parameters.release.slot_speed, |hand| {
-            -hand.force().z > self.parameters.release.slot_limit
-        })?;
+        let limit = self.parameters.release.slot_limit + carried * GRAVITY;
+        self.hand.drive(&down, self.parameters.release.slot_speed, |hand| -hand.force().z > limit)?;
         self.hand.relax();
         let mut middle = self.hand.setpoint;
         middle.translation.z += self.parameters.release.slot_room;

@@ -150,7 +150,7 @@ impl Workcell<'_, '_> {
         self.record(Retry::new("grasp", name).because(because));
         self.hand.held = None;
         self.belief.parts.released(name);
-        self.centre_ribs(true)?;
+        self.centre_ribs(true, 0.0)?;
         let here = Grasp { x_wt: self.hand.seen.x_wt, ..*grasp };
         self.close_on(name, &here)
     }
