@@ -19,10 +19,11 @@ use ramp_world::Start;
 
 use crate::belief::OwnFinder;
 use crate::cell::{InsertionPath, Workcell};
+use crate::change::{Change, Choice};
 use crate::clear;
 use crate::fault::{Fault, SkillError};
 use crate::hand::Hand;
-use crate::history::{Change, Choice, History, Work};
+use crate::history::{History, Work};
 use crate::parameters::Parameters;
 use crate::recognition::Swap;
 use crate::recovery::{check_holes, check_pegs, note_fault, recover};
@@ -382,18 +383,26 @@ impl<'a> Baseline<'a> {
         }
         while let Some((work, change)) = self.history.change(&Choice::of(cell, lost)) {
             cell.record(Retry::new("plan", work.about()).because(format!("{}, {change}", work.step())));
-            if change == Change::Pause {
-                // A robot that has stopped for good says so again at the next call.
-                let waited = cell.hand.wait(self.parameters.agent.pause);
-                let _ = waited.and_then(|()| Ok(cell.belief.parts.update(&mut cell.hand)?));
+            // A robot that has stopped for good says so again at the next call.
+            match &change {
+                Change::Pause => {
+                    let waited = cell.hand.wait(self.parameters.agent.pause);
+                    let _ = waited.and_then(|()| Ok(cell.belief.parts.update(&mut cell.hand)?));
+                }
+                Change::Aside { beam } => {
+                    if let Err(why) = self.lay_aside(cell, beam, work.about()) {
+                        self.history.refused(&why);
+                        continue;
+                    }
+                }
+                _ => {}
             }
             let state = self.state(cell, lost).map_err(|error| error.to_string())?;
             match self.make_plan(cell, state) {
                 Ok(plan) => return Ok(plan),
                 Err(why) => {
-                    cell.record(EventKind::Note {
-                        text: plain(&format!("no plan: {why}"), MAX_SENTENCE - 1),
-                    });
+                    let why = format!("no plan: {why}");
+                    cell.record(EventKind::Note { text: plain(&why, MAX_SENTENCE - 1) });
                     self.history.refused(&why);
                 }
             }

@@ -7,7 +7,7 @@ use nalgebra::{Point3, Translation3, Vector3};
 use ramp_kit::{Beam, Footprint, Holder};
 use ramp_planner::{Entry, FineAction, Grasp, Item, Plan, PlanError};
 use ramp_robot::{EventKind, RobotError};
-use ramp_world::start::Scatter;
+use ramp_world::start::{Scatter, Start};
 
 use crate::Pose;
 use crate::cell::Workcell;
@@ -155,7 +155,8 @@ fn clear(
             break;
         }
         for beam in beams {
-            let cleared = clear_beam(skills, cell, scatter, &frame, beam);
+            let why = format!("{} lies where the frame is to stand", beam.name);
+            let cleared = clear_beam(skills, cell, (scatter, &frame), beam, &why);
             if !note_fault(cell, cleared)? {
                 let done = put_back(skills, cell, &beam.name);
                 note_fault(cell, done)?;
@@ -169,13 +170,38 @@ fn clear(
     Ok(())
 }
 
-/// Takes a beam by the link nearest to its middle that can be gripped, and lays it down elsewhere.
+/// Lays one beam down on a free place of the table, where it is not in the way of the beams of a plan. `why`
+/// tells, in an event, why it had to go. It lies where a scattered part may lie. One that cannot be laid down
+/// is put back.
+///
+/// # Errors
+/// The fault that kept it where it is, or the robot's.
+pub fn lay_aside(
+    skills: &SkillTable,
+    cell: &mut Workcell,
+    entries: &[Entry],
+    beam: &Beam,
+    why: &str,
+) -> Result<(), SkillError> {
+    let frame = frame(cell, entries);
+    let Some(scatter) = &Start::scattered().scatter else {
+        return Err(Fault::NoGrasp { part: beam.name.clone() }.into());
+    };
+    let done = clear_beam(skills, cell, (scatter, &frame), beam, why);
+    if done.is_err() {
+        put_back(skills, cell, &beam.name)?;
+    }
+    done
+}
+
+/// Takes a beam by the link nearest to its middle that can be gripped, and lays it down elsewhere, where the
+/// frame is not.
 fn clear_beam(
     skills: &SkillTable,
     cell: &mut Workcell,
-    scatter: &Scatter,
-    frame: &[Footprint],
+    (scatter, frame): (&Scatter, &[Footprint]),
     beam: &Beam,
+    why: &str,
 ) -> Result<(), SkillError> {
     let mut links: Vec<_> = beam.links.iter().collect();
     let off = |link: &ramp_kit::Link| ((link.grasp[0] + link.grasp[1] - beam.span()) / 2.0).abs();
@@ -185,7 +211,7 @@ fn clear_beam(
         let (item, grasp) = (Item::Beam(beam.name.clone()), Grasp::Link(link.name.clone()));
         taken = skills.perform(cell, &Call::alone(&FineAction::PickUp { item, grasp }));
         match taken {
-            Ok(()) => return lay_down(cell, scatter, frame, beam, &link.name),
+            Ok(()) => return lay_down(cell, (scatter, frame), beam, &link.name, why),
             Err(SkillError::Robot(_)) => return taken,
             Err(_) => cell.retreat()?,
         }
@@ -196,10 +222,10 @@ fn clear_beam(
 /// Lays the held beam down where it is in nobody's way.
 fn lay_down(
     cell: &mut Workcell,
-    scatter: &Scatter,
-    frame: &[Footprint],
+    (scatter, frame): (&Scatter, &[Footprint]),
     beam: &Beam,
     link: &str,
+    why: &str,
 ) -> Result<(), SkillError> {
     let around = cell.around(beam);
     let mut parameters = (*cell.parameters).clone();
@@ -228,10 +254,7 @@ fn lay_down(
     cell.laid_at.pop();
     let x_wb = cell.belief.parts.pose(&beam.name)?;
     let middle = x_wb * Point3::new(beam.span() / 2.0, 0.0, 0.0);
-    let text = format!(
-        "{} lies where the frame is to stand: laid down at x {:.2} m, y {:.2} m",
-        beam.name, middle.x, middle.y
-    );
+    let text = format!("{why}: laid down at x {:.2} m, y {:.2} m", middle.x, middle.y);
     cell.record(EventKind::Note { text });
     Ok(())
 }

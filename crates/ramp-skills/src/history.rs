@@ -1,7 +1,8 @@
 //! The history of an episode: what was tried, with what and how it failed, and what is left to be tried.
 //!
 //! A plan that fails is followed by one that differs from it in a named way: after another look, with another
-//! grasp, by another link, along another path, with another peg, or after the rest of the frame. What was
+//! grasp, by another link, along another path, with a neighbour laid aside, with another peg, or after the
+//! rest of the frame. What was
 //! tried counts as long as the assembly is as it was: after progress it is worth another try. When nothing is
 //! left, the history tells what was tried.
 
@@ -12,7 +13,7 @@ use ramp_assembly::Assembly;
 use ramp_kit::source::{MAX_SENTENCE, plain};
 use ramp_planner::{End, FineAction, Impossible, MotionFact, Plan};
 
-use crate::cell::Workcell;
+use crate::change::{Change, Choice};
 use crate::grasp::BeamGrasp;
 use crate::skill::{ActionKind, Call};
 
@@ -85,74 +86,6 @@ impl fmt::Display for Work {
     }
 }
 
-/// The difference of a plan from the one that failed.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Change {
-    /// Everything was looked at again, and lies where it lies now.
-    Look,
-    /// The beam is held in another place, or with the hand turned by 180°.
-    Grasp {
-        /// The grasp that failed.
-        not: BeamGrasp,
-    },
-    /// The beam is held by another link.
-    Link {
-        /// The link that failed.
-        not: String,
-    },
-    /// The beam is brought along another path.
-    Path {
-        /// The path that failed.
-        not: String,
-    },
-    /// The beam stays as it is, and the next part has to find its way.
-    AsItIs,
-    /// Some time has passed, in which a disturbance of the sight may have.
-    Pause,
-    /// Another peg is taken.
-    Peg {
-        /// The peg that failed.
-        not: String,
-    },
-    /// The rest of the frame comes first.
-    Later,
-}
-
-impl Change {
-    /// The most differences of this kind in a row. Chosen: a third grasp of a link, or a third peg, is hardly
-    /// better than two.
-    fn most(&self) -> usize {
-        match self {
-            Change::Look | Change::AsItIs | Change::Pause | Change::Later => 1,
-            Change::Grasp { .. } | Change::Peg { .. } => 2,
-            Change::Link { .. } | Change::Path { .. } => usize::MAX,
-        }
-    }
-
-    /// Whether it is of the same kind.
-    fn is_like(&self, other: &Change) -> bool {
-        std::mem::discriminant(self) == std::mem::discriminant(other)
-    }
-}
-
-impl fmt::Display for Change {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        match self {
-            Change::Look => f.write_str("after another look"),
-            Change::Grasp { not: BeamGrasp { s, reverse } } => {
-                let turned = if *reverse { " with the hand turned" } else { "" };
-                write!(f, "with another grasp than {:.0} mm from its j1 hole{turned}", s * 1e3)
-            }
-            Change::Link { not } => write!(f, "by another link than {not}"),
-            Change::Path { not } => write!(f, "along another path than {not}"),
-            Change::AsItIs => f.write_str("left as it is"),
-            Change::Pause => f.write_str("after a pause"),
-            Change::Peg { not } => write!(f, "with another peg than {not}"),
-            Change::Later => f.write_str("after the rest"),
-        }
-    }
-}
-
 /// An attempt that failed.
 #[derive(Clone, Debug, PartialEq)]
 struct Tried {
@@ -165,29 +98,6 @@ struct Tried {
     refused: bool,
     /// Beams that stood and pegs that were seated then.
     progress: usize,
-}
-
-/// The grasps and pegs among which there is a choice.
-#[derive(Clone, Debug, Default)]
-pub struct Choice {
-    /// The last grasp of each beam, by name.
-    pub gripped: BTreeMap<String, BeamGrasp>,
-    /// Pegs beyond those that open connections need.
-    pub spare: usize,
-}
-
-impl Choice {
-    /// In a work cell, in which some pegs are lost.
-    pub fn of(cell: &Workcell, lost: &[String]) -> Choice {
-        let pinned = &cell.belief.pinned;
-        let usable = cell
-            .kit
-            .pegs
-            .iter()
-            .filter(|peg| !lost.contains(&peg.name) && !pinned.iter().any(|(_, name)| *name == peg.name));
-        let open = cell.assembly.connections.len() - pinned.len();
-        Choice { gripped: cell.gripped.clone(), spare: usable.count().saturating_sub(open) }
-    }
 }
 
 /// The attempts so far.
@@ -315,7 +225,7 @@ impl History {
         Some((last.work, change))
     }
 
-    /// Takes back a difference with which there is no plan, and counts it as tried.
+    /// Takes back a difference that cannot be carried out, for this reason, and counts it as tried.
     pub fn refused(&mut self, why: &str) {
         let Some((work, change)) = self.change.take() else { return };
         match &change {
@@ -324,10 +234,10 @@ impl History {
             Change::AsItIs => drop(self.skipped.pop()),
             Change::Later if work.brings().is_some() => drop(self.left_out.pop()),
             Change::Later => drop(self.later.pop()),
-            Change::Look | Change::Pause | Change::Grasp { .. } => {}
+            Change::Look | Change::Pause | Change::Grasp { .. } | Change::Aside { .. } => {}
         }
         let progress = self.tried.last().map_or(0, |tried| tried.progress);
-        let how = plain(&format!("no plan: {why}"), LONGEST_REASON);
+        let how = plain(why, LONGEST_REASON);
         self.tried.push(Tried { work, with: Some(change), how, refused: true, progress });
     }
 
@@ -375,6 +285,10 @@ impl History {
             if let Some(path) = self.paths.get(beam).filter(|_| !work.stands()) {
                 options.push(Change::Path { not: path.clone() });
             }
+            if work.kind == Some(ActionKind::PickUp) {
+                let beside = choice.beside.get(beam).into_iter().flatten();
+                options.extend(beside.map(|beam| Change::Aside { beam: beam.clone() }));
+            }
         }
         if let Some(peg) = work.peg.clone().filter(|_| choice.spare > self.aside.len()) {
             options.push(Change::Peg { not: peg });
@@ -392,7 +306,7 @@ impl History {
         let at = if last.work.stands() { End::Place } else { End::Start };
         let beam = last.work.beam.clone().unwrap_or_default();
         match change {
-            Change::Look | Change::Pause => {}
+            Change::Look | Change::Pause | Change::Aside { .. } => {}
             Change::AsItIs => self.skipped.push((beam, last.progress)),
             Change::Later if last.work.brings().is_some() => self.left_out.push(beam),
             Change::Later => self.later.push(last.work.about.clone()),
@@ -442,7 +356,8 @@ mod tests {
     }
 
     fn gripped(s: f64, reverse: bool, spare: usize) -> Choice {
-        Choice { gripped: BTreeMap::from([("b4".to_string(), BeamGrasp { s, reverse })]), spare }
+        let gripped = BTreeMap::from([("b4".to_string(), BeamGrasp { s, reverse })]);
+        Choice { gripped, spare, ..Choice::default() }
     }
 
     /// The choice of a history after each of so many failures of the same work.
@@ -522,6 +437,25 @@ mod tests {
         assert_eq!(change("p2"), None);
     }
 
+    /// Beams beside the one that cannot be fetched are laid aside, one after another.
+    #[test]
+    fn neighbours_are_laid_aside() {
+        let fetch = Work { kind: Some(ActionKind::PickUp), ..insertion() };
+        let beside = ["b8", "b2", "b3"].map(str::to_string).to_vec();
+        let choice = Choice { beside: [("b4".to_string(), beside)].into(), ..Choice::default() };
+        let mut history = History::default();
+        let mut changes = Vec::new();
+        for _ in 0..6 {
+            history.failed(&fetch, "the fingers have no room", 3);
+            changes.extend(history.change(&choice).map(|(_, change)| change.to_string()));
+        }
+        assert_eq!(
+            changes[2..5],
+            ["with b8 laid aside", "with b2 laid aside", "after a pause"],
+            "{changes:?}"
+        );
+    }
+
     /// A connection that fails in every way is left for later, and the rest of the frame comes first. When
     /// that is done it is worth another try; a frame in which nothing else could be done is given up.
     #[test]
@@ -575,7 +509,7 @@ mod tests {
         let change = history.change(&Choice::default()).map(|(_, change)| change);
         assert_eq!(change, Some(Change::Link { not: "b4l2".into() }));
         assert!(matches!(&history.facts()[0].cannot, Impossible::Grasp { at: End::Place, .. }));
-        history.refused("b4 cannot be grasped");
+        history.refused("no plan: b4 cannot be grasped");
         assert!(history.facts().is_empty());
         // A push that fails in every way is left out, until the assembly has changed.
         assert_eq!(history.change(&Choice::default()).map(|(_, change)| change), Some(Change::AsItIs));

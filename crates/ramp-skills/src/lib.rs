@@ -12,6 +12,7 @@
 pub mod agent;
 pub mod belief;
 pub mod cell;
+pub mod change;
 pub mod clear;
 pub mod fault;
 pub mod grasp;

@@ -163,3 +163,20 @@ fn a_frame_that_stands_wrong_is_repaired() {
         assert!(result.events.iter().any(|event| event.kind.to_string().contains(done)), "{done}");
     }
 }
+
+/// A beam of no use to the goal lies so close beside one that is needed that the fingers have no room: it is
+/// laid down elsewhere.
+#[test]
+fn a_neighbour_that_leaves_the_fingers_no_room_is_laid_aside() {
+    let goal = GoalFiles::new("easy-1");
+    let text = r#"{"poses": {"b1": {"position": [0.50, 0.08, 0.02], "yaw": 0.0},
+        "b9": {"position": [0.39, 0.106, 0.02], "yaw": 0.0}}}"#;
+    let state = state(&goal, text);
+    let world = World::shipped("real").unwrap();
+    let setup = Setup { state: Some(&state), world, ..goal.setup(Track::State, 3) };
+    let result = goal.run_setup(&setup);
+    assert_eq!(result.completion, 1.0, "{:?}", result.events);
+    for told in ["pick up, with b9 laid aside", "b9 lies beside b1: laid down at"] {
+        assert!(result.events.iter().any(|event| event.kind.to_string().contains(told)), "{told}");
+    }
+}

@@ -2,7 +2,8 @@
 //! is coloured once.
 //!
 //! `picture` goes through the stages on the buffers of the `renderer`: `shadow` (on the `map` of the table),
-//! `bodies` (with `triangles`, and `lamp` for their light), and `expose` (with `table` where no body is seen).
+//! `bodies` (with `triangles`, and `lamp` for their light), and `expose` (with `table` where no body is
+//! seen).
 
 mod bodies;
 mod expose;

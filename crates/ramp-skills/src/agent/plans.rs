@@ -5,11 +5,12 @@ use std::time::Instant;
 use ramp_assembly::Assembly;
 use ramp_kit::source::{MAX_SENTENCE, plain};
 use ramp_motion::MotionError;
-use ramp_planner::{MotionFact, Plan, PlanError, State};
+use ramp_planner::{End, Impossible, MotionFact, Plan, PlanError, State};
 use ramp_robot::EventKind;
 
 use super::Baseline;
 use crate::cell::Workcell;
+use crate::clear;
 use crate::fault::{Fault, SkillError};
 use crate::rehearsal::{Rehearsal, Scene, UnusualGrasp, plan_with_motion};
 use crate::skill::Call;
@@ -140,6 +141,32 @@ impl<'a> Baseline<'a> {
         }
         cell.grasps = rehearsed.grasps.into_iter().map(|(beam, it)| (beam, it.grasp)).collect();
         Ok(rehearsed.plan)
+    }
+
+    /// Lays a beam down elsewhere on the table, so that the hand has room to take its neighbour. What the arm
+    /// could not do at the neighbour's place is open again.
+    ///
+    /// # Errors
+    /// The reason for which it stays where it is, for a person.
+    pub(super) fn lay_aside(
+        &mut self,
+        cell: &mut Workcell,
+        name: &str,
+        neighbour: &str,
+    ) -> Result<(), String> {
+        let Some(beam) = cell.kit.beam(name) else { return Err(format!("{name} is no beam")) };
+        let entries = self.plan.as_ref().map_or(&[][..], |plan| &plan.entries);
+        let done =
+            clear::lay_aside(&self.skills, cell, entries, beam, &format!("{name} lies beside {neighbour}"));
+        self.report(cell);
+        done.map_err(|error| error.to_string())?;
+        let is_open = |fact: &MotionFact| match &fact.cannot {
+            Impossible::Grasp { beam, at: End::Start, .. } => beam != neighbour,
+            _ => true,
+        };
+        self.learned.retain(is_open);
+        self.told.retain(is_open);
+        Ok(())
     }
 
     /// Records the arm's limit that the error of an action shows.

@@ -245,8 +245,8 @@ impl Workcell<'_, '_> {
 
     /// Closes on the beam between the fingers, loosely, and brings their ribs to the middle of its slots: on
     /// one that presses against the upper edge of its slot the beam hangs by friction, and follows that
-    /// finger however far it opens. `carried` (kg) is the mass of a beam that may hang on the ribs now: on the
-    /// way down what it lies on takes over its weight.
+    /// finger however far it opens. `carried` (kg) is the mass of a beam that may hang on the ribs now: on
+    /// the way down what it lies on takes over its weight.
     pub fn centre_ribs(&mut self, free: bool, carried: f64) -> Result<(), SkillError> {
         self.hand.grip(BEAM_WIDTH - self.parameters.grip.squeeze, self.parameters.release.loose_grip)?;
         let mut down = self.hand.setpoint;
