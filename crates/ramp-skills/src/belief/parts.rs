@@ -9,6 +9,7 @@ use std::sync::Arc;
 
 use nalgebra::{Point3, Vector3, Vector6};
 use ramp_assembly::Assembly;
+use ramp_kit::joint::FEMALE_HEIGHT;
 use ramp_kit::{Holder, Kit};
 use ramp_robot::arm::ArmModel;
 use ramp_robot::{Camera, RobotError};
@@ -43,6 +44,8 @@ pub struct Belief {
     misplaced_camera: Option<bool>,
     /// Parts lie anywhere on the table at the start.
     pub(super) anywhere: bool,
+    /// Places of the parts in the frame, in the world, by name.
+    places: BTreeMap<String, Vec<Pose>>,
 }
 
 impl Belief {
@@ -104,6 +107,7 @@ impl Belief {
             astray: Vec::new(),
             misplaced_camera: None,
             anywhere,
+            places: places(assembly),
         }
     }
 
@@ -145,6 +149,12 @@ impl Belief {
             held: part.frame == Frame::Tip,
             lying: lying.iter().find(|it| it.part == *name).cloned(),
             anywhere: self.anywhere && !part.seen,
+            places: self
+                .places
+                .get(name)
+                .filter(|_| !part.seen && !self.anywhere)
+                .cloned()
+                .unwrap_or_default(),
         };
         let parts = self.parts.iter().map(expected).collect();
         Surroundings { parts, holders: self.holders(&self.kit), width: hand.seen.width }
@@ -363,6 +373,19 @@ impl Belief {
             part.estimate.spread([position, position, height], [tilt, tilt, rotation]);
         }
     }
+}
+
+/// The places of each part in the frame, in the world: any peg may be in any connection.
+fn places(assembly: &Assembly) -> BTreeMap<String, Vec<Pose>> {
+    let x_wa = assembly.kit.x_wa();
+    let beams = assembly.beams.iter().map(|it| (it.beam.name.clone(), vec![x_wa * it.x_ab]));
+    let seat = |connection: &ramp_assembly::Connection| {
+        let hole = x_wa * assembly.p_a_hole(connection.female);
+        Pose::translation(hole.x, hole.y, hole.z + FEMALE_HEIGHT / 2.0)
+    };
+    let seats: Vec<Pose> = assembly.connections.iter().map(seat).collect();
+    let pegs = assembly.kit.pegs.iter().map(|peg| (peg.name.clone(), seats.clone()));
+    beams.chain(pegs).collect()
 }
 
 #[cfg(test)]

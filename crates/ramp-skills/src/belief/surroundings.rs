@@ -1,14 +1,16 @@
 //! Images without tags: what is believed of all parts goes to the finder, and the camera learns from the
 //! clamped beam where it is.
 
-use nalgebra::{Matrix6, Point3};
+use std::collections::BTreeMap;
+
+use nalgebra::{Matrix6, Point3, Vector3};
 use ramp_kit::Kit;
 use ramp_robot::arm::ArmModel;
-use ramp_robot::{CameraModel, Image};
+use ramp_robot::{Camera, CameraModel, Image};
 use ramp_vision::Lying;
 use ramp_vision::untagged::{Believed, Found, Scene, SceneFinder, Trace};
 
-use super::estimate::Estimate;
+use super::estimate::{Estimate, covariance};
 use super::eye::{Eye, Sighting};
 use super::strewn::{StrewnParts, View};
 use crate::Pose;
@@ -16,6 +18,10 @@ use crate::parameters::belief::EyesParameters;
 
 /// Standard deviations of the camera's place within which a part is looked for.
 const SIGMAS: f64 = 2.5;
+/// How far from its place in the frame a part may stand there, m, and how much it may be turned, rad. Chosen:
+/// as far as the baseline takes a beam for standing.
+const STANDING: f64 = 8.0e-3;
+const STANDING_TURN: f64 = 0.01;
 
 /// The belief about a part before an image is read.
 #[derive(Clone, Debug)]
@@ -30,6 +36,8 @@ pub struct Expected {
     pub lying: Option<Lying>,
     /// True if it was never seen and may lie anywhere.
     pub anywhere: bool,
+    /// Its places in the frame, in the world, if it was never seen: it may stand there already.
+    pub places: Vec<Pose>,
 }
 
 /// Everything that may be in an image.
@@ -64,6 +72,8 @@ pub struct SceneReader {
     pegs: Vec<String>,
     /// Parts that were never seen, where they may lie anywhere.
     strewn: StrewnParts,
+    /// Number of images of the camera over the table before a part was seen.
+    missed: BTreeMap<String, usize>,
 }
 
 impl SceneReader {
@@ -74,7 +84,13 @@ impl SceneReader {
     pub fn new(kit: &Kit, arm: &ArmModel, base: &(String, Pose)) -> Result<SceneReader, String> {
         let finder = SceneFinder::new(kit, arm).map_err(|error| error.to_string())?;
         let pegs = kit.pegs.iter().map(|peg| peg.name.clone()).collect();
-        Ok(SceneReader { finder, base: base.clone(), pegs, strewn: StrewnParts::new(kit) })
+        Ok(SceneReader {
+            finder,
+            base: base.clone(),
+            pegs,
+            strewn: StrewnParts::new(kit),
+            missed: BTreeMap::new(),
+        })
     }
 
     /// Of each beam whose shape only looks from near can tell, the points to look at, m, in the world.
@@ -114,8 +130,8 @@ impl SceneReader {
             holders = found;
         }
         let scene = Scene { parts: &parts, holders: &holders, width: surroundings.width };
-        let base = &self.base.0;
-        let wanted = |part: &Believed| part.part != *base;
+        let base = self.base.0.clone();
+        let wanted = |part: &Believed| part.part != base;
         let slack = slack(&eye.covariance, &x_wc);
         let seen =
             self.finder.find(image, &model, &scene, &wanted, slack).map_err(|error| error.to_string())?;
@@ -128,17 +144,37 @@ impl SceneReader {
         };
         let mut sightings: Vec<Sighting> = seen.found.into_iter().map(sighting).collect();
         eye.repeats = repeats;
+        if eye.camera == Camera::BirdsEye {
+            for part in surroundings.parts.iter().filter(|it| !it.places.is_empty()) {
+                *self.missed.entry(part.part.clone()).or_default() += 1;
+            }
+        }
+        let is_unseen = |part: &&Expected| {
+            !part.places.is_empty() && self.missed.get(&part.part).is_some_and(|it| *it >= parameters.mislaid)
+        };
+        let mislaid: Vec<&Expected> = surroundings.parts.iter().filter(is_unseen).collect();
         let is_lost = |part: &&Believed| {
-            part.part != *base
+            part.part != base
                 && !part.held
-                && part.covariance[(0, 0)].max(part.covariance[(1, 1)]).sqrt() > parameters.lost
+                && (mislaid.iter().any(|it| it.part == part.part)
+                    || part.covariance[(0, 0)].max(part.covariance[(1, 1)]).sqrt() > parameters.lost)
                 && sightings.iter().all(|seen| seen.part != part.part)
         };
         // One of each kind: two cannot be told apart.
         let (pegs, beams): (Vec<_>, Vec<_>) =
             parts.iter().filter(is_lost).partition(|part| self.pegs.contains(&part.part));
-        let mut view = View { finder: &mut self.finder, image, camera: &model };
         let mut found: Vec<(String, Estimate)> = Vec::new();
+        for part in parts.iter().filter(is_lost) {
+            let expected = mislaid.iter().find(|it| it.part == part.part);
+            for place in expected.iter().flat_map(|it| &it.places) {
+                let is_free = |(_, other): &(String, Estimate)| far(&other.x, place) > STANDING;
+                if found.iter().all(is_free) {
+                    let mut view = View { finder: &mut self.finder, image, camera: &model };
+                    found.extend(standing(&mut view, &scene, part, place)?);
+                }
+            }
+        }
+        let mut view = View { finder: &mut self.finder, image, camera: &model };
         if let Some(peg) = pegs.first() {
             found.extend(lost_peg(&mut view, &scene, peg, parameters)?);
         }
@@ -186,6 +222,35 @@ impl SceneReader {
             }
         }))
     }
+}
+
+/// A part that may stand in its place in the frame.
+fn standing(
+    view: &mut View,
+    scene: &Scene,
+    part: &Believed,
+    place: &Pose,
+) -> Result<Option<(String, Estimate)>, String> {
+    let flipped = (place.rotation * Vector3::z()).z < 0.0;
+    let (part, height) = (part.part.clone(), place.translation.z);
+    let there = Believed {
+        x_wp: *place,
+        covariance: covariance([STANDING / 2.0; 3], [STANDING_TURN; 3]),
+        lying: Some(Lying { part: part.clone(), height, flipped, sigma: Lying::SIGMA }),
+        part,
+        held: false,
+    };
+    let wanted = |it: &Believed| it.part == there.part;
+    let others = scene.parts.iter().filter(|it| !wanted(it)).cloned();
+    let parts: Vec<Believed> = others.chain([there.clone()]).collect();
+    let seen = view.finder.find(view.image, view.camera, &Scene { parts: &parts, ..*scene }, &wanted, 0.0);
+    let seen = seen.map_err(|error| error.to_string())?.found.into_iter().next();
+    Ok(seen.map(|part| (part.part, Estimate { x: part.x_wp, covariance: part.covariance })))
+}
+
+/// The distance between two places, m.
+fn far(a: &Pose, b: &Pose) -> f64 {
+    (a.translation.vector - b.translation.vector).norm()
 }
 
 /// A lost peg, or where something of its colour is.

@@ -130,14 +130,28 @@ impl Workcell<'_, '_> {
     }
 
     /// Looks for the first time. Without tags nothing but the clamped beam tells where the camera on the hand
-    /// is, so that is visited before the first grasp.
+    /// is, so that is visited before the first grasp. Parts of the goal that are not where they should lie
+    /// may stand in the frame: it looks until they are looked for there.
     ///
     /// # Errors
     /// The robot's.
     pub fn look_first(&mut self) -> Result<(), SkillError> {
         self.belief.parts.update(&mut self.hand)?;
         let eyes = &self.belief.parts.eyes;
-        if eyes.images() && !eyes.tags() { self.calibrate() } else { Ok(()) }
+        if !eyes.images() || eyes.tags() {
+            return Ok(());
+        }
+        self.calibrate()?;
+        for _ in 0..self.parameters.eyes.mislaid {
+            let is_unseen = |name: &String| self.belief.parts.pose(name).is_err();
+            let beams = self.assembly.beams.iter().map(|placed| &placed.beam.name);
+            let pegs = self.kit.pegs.iter().map(|peg| &peg.name);
+            if !beams.chain(pegs).any(is_unseen) {
+                break;
+            }
+            self.look_again(2)?;
+        }
+        Ok(())
     }
 
     /// Shows the camera on the empty hand the tag of the sheet, or where that is not read the clamped beam,
