@@ -1,9 +1,10 @@
 //! Bodies and the tags on them, drawn into the buffers.
 
-use super::lamp::{Corner, FULLY, Lit};
+use super::lamp::{FULLY, Lit};
 use super::light::{lamp_on, linear, mixed, reflection, shade_on};
 use super::renderer::{Renderer, SeenTag, TAG};
 use super::rigid::Rigid;
+use super::roof::Corner;
 use super::triangles::NEAR;
 use crate::looks::{Looks, METAL, Sticker};
 use crate::texture::{PLACES, TAG_LIGHT};

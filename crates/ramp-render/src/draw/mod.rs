@@ -1,9 +1,9 @@
 //! From poses and a camera to pixels: a depth buffer says which triangle each pixel shows, then every pixel
 //! is coloured once.
 //!
-//! `picture` goes through the stages on the buffers of the `renderer`: `shadow` (on the `map` of the table),
-//! `bodies` (with `triangles`, and `lamp` for their light), and `expose` (with `table` where no body is
-//! seen).
+//! `picture` goes through the stages on the buffers of the `renderer`: `shadow` (each `roof` on the `map` of
+//! the table), `bodies` (with `triangles`, and `lamp` for their light), and `expose` (with `table` where no
+//! body is seen).
 
 mod bodies;
 mod expose;
@@ -13,6 +13,7 @@ mod map;
 mod picture;
 mod renderer;
 mod rigid;
+mod roof;
 mod scene;
 mod shadow;
 mod table;

@@ -1,8 +1,8 @@
 //! One picture, from the scene to the image.
 
-use super::lamp::Roof;
 use super::renderer::{NOTHING, Renderer};
 use super::rigid::Rigid;
+use super::roof::Roof;
 use super::scene::Scene;
 use crate::looks::Looks;
 use crate::sensor::{FULL, Sensor};

@@ -1,8 +1,8 @@
 //! The buffers of one camera, and the last picture in them.
 
-use super::lamp::{Corner, Roof};
 use super::map::{TABLE, bare, shadow_size};
 use super::rigid::Rigid;
+use super::roof::{Corner, Roof};
 use super::table::Node;
 use crate::lens::Lens;
 use crate::looks::{Looks, Sticker};

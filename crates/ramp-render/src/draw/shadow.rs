@@ -1,10 +1,10 @@
 //! Shadows: bodies drawn onto the map of the table as the lamp sees them. Those on the table have soft edges.
 
-use super::lamp::{along_light, plane};
 use super::light::LIGHT;
 use super::map::{WIDE, cells, shadow_size, spread};
 use super::renderer::Renderer;
 use super::rigid::Rigid;
+use super::roof::{along_light, plane};
 use super::scene::Scene;
 use crate::looks::Looks;
 

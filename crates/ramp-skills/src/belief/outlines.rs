@@ -1,7 +1,11 @@
-//! The outlines of the sheet on which a part may lie at the start, and the poses of the holders by the pegs
-//! that were found in them.
+//! The outlines of the sheet on which a part may lie at the start, its places in the frame, and the poses of
+//! the holders by the pegs that were found in them.
+
+use std::collections::BTreeMap;
 
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
+use ramp_assembly::Assembly;
+use ramp_kit::joint::FEMALE_HEIGHT;
 use ramp_kit::{Beam, Holder, Kit};
 use ramp_world::Start;
 
@@ -86,6 +90,19 @@ pub fn holders_anywhere(kit: &Kit, found: impl Fn(&str) -> Option<Pose>) -> Vec<
         Some(Pose::from_parts(Translation3::new(centre.x, centre.y, 0.0), turn))
     };
     kit.holders.iter().filter_map(|holder| Some((holder.name.clone(), of_pegs(holder)?))).collect()
+}
+
+/// The places of each part in the frame, in the world: any peg may be in any connection.
+pub(super) fn in_frame(assembly: &Assembly) -> BTreeMap<String, Vec<Pose>> {
+    let x_wa = assembly.kit.x_wa();
+    let beams = assembly.beams.iter().map(|it| (it.beam.name.clone(), vec![x_wa * it.x_ab]));
+    let seat = |connection: &ramp_assembly::Connection| {
+        let hole = x_wa * assembly.p_a_hole(connection.female);
+        Pose::translation(hole.x, hole.y, hole.z + FEMALE_HEIGHT / 2.0)
+    };
+    let seats: Vec<Pose> = assembly.connections.iter().map(seat).collect();
+    let pegs = assembly.kit.pegs.iter().map(|peg| (peg.name.clone(), seats.clone()));
+    beams.chain(pegs).collect()
 }
 
 #[cfg(test)]

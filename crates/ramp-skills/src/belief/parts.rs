@@ -9,11 +9,9 @@ use std::sync::Arc;
 
 use nalgebra::{Point3, Vector3, Vector6};
 use ramp_assembly::Assembly;
-use ramp_kit::joint::FEMALE_HEIGHT;
 use ramp_kit::{Holder, Kit};
 use ramp_robot::arm::ArmModel;
 use ramp_robot::{Camera, RobotError};
-use ramp_vision::Lying;
 use ramp_world::Start;
 
 use super::estimate::{Estimate, covariance};
@@ -107,7 +105,7 @@ impl Belief {
             astray: Vec::new(),
             misplaced_camera: None,
             anywhere,
-            places: places(assembly),
+            places: outlines::in_frame(assembly),
         }
     }
 
@@ -184,22 +182,6 @@ impl Belief {
             };
             part.estimate.spread([distance; 3], [turn; 3]);
         }
-    }
-
-    /// Constraints on resting parts: which are level, and their heights.
-    fn lying(&self) -> Vec<Lying> {
-        let lying = |(name, part): (&String, &Part)| {
-            let x_wp = self.find(name).unwrap_or(part.estimate.x);
-            let up = (x_wp.rotation * Vector3::z()).z;
-            let tilt = (part.estimate.covariance[(3, 3)] + part.estimate.covariance[(4, 4)]).sqrt();
-            if up.abs() < self.parameters.level || tilt > self.parameters.tilted {
-                return None;
-            }
-            let height = part.estimate.covariance[(2, 2)].sqrt();
-            let sigma = [height.max(Lying::SIGMA[0]), tilt.max(Lying::SIGMA[1])];
-            Some(Lying { part: name.clone(), height: x_wp.translation.z, flipped: up < 0.0, sigma })
-        };
-        self.parts.iter().filter_map(lying).collect()
     }
 
     /// Advances the belief to the robot's clock: the held part moves with the tip, and all uncertainties
@@ -373,19 +355,6 @@ impl Belief {
             part.estimate.spread([position, position, height], [tilt, tilt, rotation]);
         }
     }
-}
-
-/// The places of each part in the frame, in the world: any peg may be in any connection.
-fn places(assembly: &Assembly) -> BTreeMap<String, Vec<Pose>> {
-    let x_wa = assembly.kit.x_wa();
-    let beams = assembly.beams.iter().map(|it| (it.beam.name.clone(), vec![x_wa * it.x_ab]));
-    let seat = |connection: &ramp_assembly::Connection| {
-        let hole = x_wa * assembly.p_a_hole(connection.female);
-        Pose::translation(hole.x, hole.y, hole.z + FEMALE_HEIGHT / 2.0)
-    };
-    let seats: Vec<Pose> = assembly.connections.iter().map(seat).collect();
-    let pegs = assembly.kit.pegs.iter().map(|peg| (peg.name.clone(), seats.clone()));
-    beams.chain(pegs).collect()
 }
 
 #[cfg(test)]

@@ -1,11 +1,14 @@
-//! The places on the sheet from which the parts came, and everything that stands around the hand.
+//! The places from which the parts came, at which they lie and to which they belong, and everything that
+//! stands around the hand.
 
+use nalgebra::Vector3;
 use ramp_kit::{Holder, Kit};
 use ramp_motion::Obstacle;
+use ramp_vision::Lying;
 
 use super::obstacles::{beam_boxes, holder_boxes, peg_boxes};
 use super::outlines;
-use super::part::Frame;
+use super::part::{Frame, Part};
 use super::parts::Belief;
 use crate::Pose;
 
@@ -40,6 +43,22 @@ impl Belief {
             return outlines::holders_anywhere(kit, |peg| self.parts.get(peg)?.found);
         }
         outlines::holders(kit, kit.pegs.iter().filter_map(|peg| self.parts.get(&peg.name)?.found))
+    }
+
+    /// Constraints on resting parts: which are level, and their heights.
+    pub(super) fn lying(&self) -> Vec<Lying> {
+        let lying = |(name, part): (&String, &Part)| {
+            let x_wp = self.find(name).unwrap_or(part.estimate.x);
+            let up = (x_wp.rotation * Vector3::z()).z;
+            let tilt = (part.estimate.covariance[(3, 3)] + part.estimate.covariance[(4, 4)]).sqrt();
+            if up.abs() < self.parameters.level || tilt > self.parameters.tilted {
+                return None;
+            }
+            let height = part.estimate.covariance[(2, 2)].sqrt();
+            let sigma = [height.max(Lying::SIGMA[0]), tilt.max(Lying::SIGMA[1])];
+            Some(Lying { part: name.clone(), height: x_wp.translation.z, flipped: up < 0.0, sigma })
+        };
+        self.parts.iter().filter_map(lying).collect()
     }
 
     /// Whether a part may be anywhere, and so stands in no way.
