@@ -207,12 +207,25 @@ impl SceneReader {
         if let Some(part) = parts.iter_mut().find(|part| part.part == *base) {
             part.lying = None;
         }
-        let scene = Scene { parts, holders: &surroundings.holders, width: surroundings.width };
         let wanted = |part: &Believed| part.part == *base;
         let slack = slack(&eye.covariance, &x_wc);
-        let found =
-            self.finder.find(image, &model, &scene, &wanted, slack).map_err(|error| error.to_string())?;
-        let Some(found) = found.found.first() else { return Ok(model) };
+        // Beams that may stand on it hide it, wherever they are.
+        let standing = |part: &Believed| {
+            let expected = surroundings.parts.iter().find(|it| it.part == part.part);
+            let place = expected.and_then(|it| it.places.first()).filter(|_| !self.pegs.contains(&part.part));
+            Believed { x_wp: place.copied().unwrap_or(part.x_wp), ..part.clone() }
+        };
+        let framed: Vec<Believed> = parts.iter().map(standing).collect();
+        let mut found = None;
+        for parts in [&*parts, &framed] {
+            let scene = Scene { parts, holders: &surroundings.holders, width: surroundings.width };
+            let seen = self.finder.find(image, &model, &scene, &wanted, slack);
+            found = seen.map_err(|error| error.to_string())?.found.into_iter().next();
+            if found.is_some() {
+                break;
+            }
+        }
+        let Some(found) = found else { return Ok(model) };
         let x_cp = x_wc.inverse() * found.x_wp;
         Ok(eye.learn(nominal, parameters, |calibration| {
             for p_p in &found.points {

@@ -15,6 +15,8 @@ use super::solids::Surface;
 pub const LEAST_SHARE: f64 = 0.65;
 /// Least number of steps that must support a pose.
 pub const LEAST_STEPS: usize = 20;
+/// Largest share of them that may look like printed lines.
+const MOST_LINES: f64 = 0.4;
 /// Least number and share of the steps across a beam's axis that tell where it is along itself, and what is
 /// added to its place along itself otherwise, m.
 const ALONG: (usize, f64) = (8, 0.5);
@@ -77,6 +79,11 @@ pub fn accept(x_wc: &Pose, part: &Believed, work: &Work) -> Option<Found> {
     let fitted = work.fitted.as_ref().filter(|_| !work.absent)?;
     let share = fitted.agreeing as f64 / work.candidates.max(1) as f64;
     if fitted.agreeing < LEAST_STEPS || share < LEAST_SHARE {
+        return None;
+    }
+    // The printed outline of a part is not the part.
+    let lines = work.places.iter().filter(|place| place.is_line).count();
+    if lines as f64 > MOST_LINES * work.places.len() as f64 {
         return None;
     }
     let of_image = fitted.information.try_inverse()? + model_error(work, fitted);

@@ -290,8 +290,9 @@ impl Look<'_> {
                 return None;
             }
             let (at, normal) = (lens.project(&p_c), mark.normal);
-            let off = mark.distance(&self.photograph, at, window, wide)?;
-            Some(Place { p_p: mark.p_p, normal, along: normal[0] * at[0] + normal[1] * at[1] + off })
+            let found = mark.distance(&self.photograph, at, window, wide)?;
+            let along = normal[0] * at[0] + normal[1] * at[1] + found.off;
+            Some(Place { p_p: mark.p_p, normal, along, is_line: found.is_line })
         };
         let places: Vec<Option<Place>> = marks.iter().map(measured).collect();
         work.places = places.iter().flatten().copied().collect();

@@ -7,7 +7,7 @@ use ramp_robot::{Image, Pose};
 use super::canvas::{Canvas, Lens};
 use super::contours::Step;
 use super::depths::hides;
-use super::profile::{Photograph, Profile, normal};
+use super::profile::{Match, Photograph, Profile, normal};
 
 /// Cosine of a step's normal and the axis from which it counts as across.
 const ACROSS: f64 = 0.8;
@@ -30,9 +30,9 @@ pub struct Mark {
 }
 
 impl Mark {
-    /// Signed distance along the normal from `at` to the step of the image, looked for up to `reach` on both
-    /// sides; pixels. `wide` says whether that is the first, wide window.
-    pub fn distance(&self, photograph: &Photograph, at: [f64; 2], reach: f64, wide: bool) -> Option<f64> {
+    /// The step of the image near `at`, looked for up to `reach` on both sides; pixels. `wide` says whether
+    /// that is the first, wide window.
+    pub fn distance(&self, photograph: &Photograph, at: [f64; 2], reach: f64, wide: bool) -> Option<Match> {
         let profile = if wide { &self.wide } else { &self.near };
         profile.as_ref()?.distance(photograph, at, reach)
     }

@@ -28,6 +28,8 @@ pub struct Place {
     pub normal: [f64; 2],
     /// Its place along that vector, pixels.
     pub along: f64,
+    /// Whether it looks like a printed line.
+    pub is_line: bool,
 }
 
 /// A fitted pose.

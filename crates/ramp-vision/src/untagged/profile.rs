@@ -17,6 +17,8 @@ const FINE: f64 = 2.0;
 const WEIGHT: f64 = 1.5;
 /// Least contrast of a step in the image, as a share of the drawn one.
 const LEAST_CONTRAST: f64 = 0.4;
+/// Least difference between both sides of a step in the image, as a share of the drawn one.
+const LEAST_NET: f64 = 0.1;
 /// Contrast beyond which a step is no better a match.
 const FULL_CONTRAST: f64 = 1.2;
 /// Discount of a match at the border of the window against one in its middle.
@@ -30,6 +32,15 @@ const SAMPLES: usize = 2 * HALF as usize + 1;
 const HALF: i32 = (SUPPORT * FINE) as i32;
 /// Least energy of a pattern that tells a place.
 const LEAST_ENERGY: f64 = 1.0e-7;
+
+/// A step of the image that is taken for one of the drawing.
+#[derive(Clone, Copy, Debug)]
+pub struct Match {
+    /// Signed distance along the normal from where the step is drawn, pixels.
+    pub off: f64,
+    /// Whether both of its sides show the same, as a printed line does, and those of the drawing do not.
+    pub is_line: bool,
+}
 
 /// An image, looked at by the pixels of a drawing.
 #[derive(Clone)]
@@ -120,6 +131,8 @@ pub struct Profile {
     pattern: [f64; SAMPLES],
     /// Their product with themselves.
     energy: f64,
+    /// The difference between both sides.
+    net: f64,
 }
 
 impl Profile {
@@ -147,12 +160,14 @@ impl Profile {
             *value = difference * (-0.5 * (t / WEIGHT).powi(2)).exp();
             energy += difference * *value;
         }
-        (energy >= LEAST_ENERGY).then_some(Profile { channel: step.channel, normal, size, pattern, energy })
+        let net = sharp[MARGIN..MARGIN + SAMPLES].iter().sum();
+        let channel = step.channel;
+        (energy >= LEAST_ENERGY).then_some(Profile { channel, normal, size, pattern, energy, net })
     }
 
-    /// Signed distance along the normal from where the step is drawn, `at` (pixels of the drawing), to that
-    /// of the image, pixels; looked for up to `reach` on both sides.
-    pub fn distance(&self, photograph: &Photograph, at: [f64; 2], reach: f64) -> Option<f64> {
+    /// The step of the image nearest to where it is drawn, `at` (pixels of the drawing); looked for up to
+    /// `reach` on both sides, pixels.
+    pub fn distance(&self, photograph: &Photograph, at: [f64; 2], reach: f64) -> Option<Match> {
         let (size, normal) = (self.size, self.normal);
         let far = (reach / size).ceil() as i32;
         // The lens bends little over a window: a straight line through its ends.
@@ -192,6 +207,8 @@ impl Profile {
         let (a, b, c) = (scores[index - 1], scores[index], scores[index + 1]);
         let curve = a - 2.0 * b + c;
         let between = if curve < 0.0 { 0.5 * (a - c) / curve } else { 0.0 };
-        Some(offset(index) + between * size)
+        let net: f64 = differences[index..index + SAMPLES].iter().sum();
+        let is_line = net / self.net < LEAST_NET && self.net.powi(2) > self.energy;
+        Some(Match { off: offset(index) + between * size, is_line })
     }
 }
