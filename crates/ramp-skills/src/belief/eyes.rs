@@ -361,16 +361,13 @@ impl Eyes {
         let moved = x_wc * x_wc_before.inverse();
         let base = &self.base.0;
         let parts = seen.parts.into_iter().filter(|part| part.part != *base);
-        let mut repeats = std::mem::take(&mut eye.repeats);
         let sightings = parts
             .map(|part| {
-                let x_wp = moved * part.x_wp;
-                let factor = repeats.factor(&part.part, &(x_wc.inverse() * x_wp), &self.parameters);
-                let seen = Estimate { x: x_wp, covariance: part.covariance * factor };
+                let covariance = part.covariance * self.parameters.common;
+                let seen = Estimate { x: moved * part.x_wp, covariance };
                 eye.sighting(part.part, seen, &x_wc, image.x_wt)
             })
             .collect();
-        eye.repeats = repeats;
         for oddity in seen.oddities {
             self.tell(oddity);
         }

@@ -12,6 +12,7 @@ use ramp_vision::untagged::{Believed, Found, Scene, SceneFinder, Trace};
 
 use super::estimate::{Estimate, covariance};
 use super::eye::{Eye, Sighting};
+use super::repeats::Repeats;
 use super::strewn::{StrewnParts, View};
 use crate::Pose;
 use crate::parameters::belief::EyesParameters;
@@ -52,6 +53,13 @@ pub struct Surroundings {
 }
 
 impl Surroundings {
+    /// Factor on the covariance of a look at a part at `x_cp` in a camera, m. Looks at a part in the hand
+    /// never count in full: the fingers hide much of it, and it may be turned in them.
+    fn factor(&self, repeats: &mut Repeats, part: &str, x_cp: &Pose, parameters: &EyesParameters) -> f64 {
+        let held = self.parts.iter().any(|it| it.held && it.part == part);
+        if held { parameters.common } else { repeats.factor(part, x_cp, parameters) }
+    }
+
     /// The parts in the world, at the tip's pose of an image.
     pub(super) fn at(&self, x_wt: &Pose) -> Vec<Believed> {
         let believed = |it: &Expected| {
@@ -138,7 +146,7 @@ impl SceneReader {
         let mut repeats = std::mem::take(&mut eye.repeats);
         let sighting = |part: Found| {
             let x_cp = x_wc.inverse() * part.x_wp;
-            let factor = repeats.factor(&part.part, &x_cp, parameters);
+            let factor = surroundings.factor(&mut repeats, &part.part, &x_cp, parameters);
             let seen = Estimate { x: part.x_wp, covariance: part.covariance * factor };
             eye.sighting(part.part, seen, &x_wc, image.x_wt)
         };

@@ -102,10 +102,11 @@ parameters! {
         remains_turn: f64 = "°", 1e-5, 45.0;
         /// Number of known points needed to calibrate a camera.
         enough: usize = "", 4.0, 100000.0;
-        /// Factor on the covariance that the pose estimator gives for an image of a part from where the
-        /// camera has seen it before: errors of images taken from one place are correlated.
+        /// Factor on the covariance that the pose estimator gives: errors of images taken from one place are
+        /// correlated.
         common: f64 = "", 1.0, 1000.0;
-        /// A camera that has moved by so much relative to a part sees it from another place.
+        /// Without tags, a camera that has moved by so much relative to a part sees it from another place.
+        /// The factor does not count for the first image from there, unless the part is in the hand.
         elsewhere: f64 = "m", 0.0, 1.0;
         /// The same as a turn.
         elsewhere_turn: f64 = "°", 0.0, 180.0;
