@@ -2,7 +2,7 @@
 
 use super::lamp::{FULLY, Lit};
 use super::light::{lamp_on, linear, mixed, reflection, shade_on};
-use super::renderer::{Renderer, SeenTag, TAG};
+use super::renderer::{NOTHING, Renderer, SeenTag, TAG};
 use super::rigid::Rigid;
 use super::roof::Corner;
 use super::triangles::NEAR;
@@ -130,7 +130,9 @@ impl Renderer {
         let mut corners = corners.map(|at| Corner::new(&world.moved(&at)));
         let (shade, lamp) = (shade_on(&normal), lamp_on(&normal));
         let [a, b, c, d] = corners.each_mut();
+        // The sheet's own tag is drawn without shadows, since cameras are calibrated by it.
         let lit = match (self.lit([a, b, c], body), self.lit([a, c, d], body)) {
+            _ if body == NOTHING => Lit::Evenly(FULLY),
             (lit, other) if lit == other => lit,
             _ => Lit::Partly,
         };

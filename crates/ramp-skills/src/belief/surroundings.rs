@@ -53,6 +53,16 @@ pub struct Surroundings {
 }
 
 impl Surroundings {
+    /// The same parts, with those that may stand in the frame already, and are `meant`, in their places.
+    fn framed(&self, parts: &[Believed], meant: impl Fn(&Believed) -> bool) -> Vec<Believed> {
+        let place = |part: &Believed| {
+            let expected = self.parts.iter().find(|it| it.part == part.part)?;
+            expected.places.first().filter(|_| meant(part)).copied()
+        };
+        let moved = |part: &Believed| Believed { x_wp: place(part).unwrap_or(part.x_wp), ..part.clone() };
+        parts.iter().map(moved).collect()
+    }
+
     /// Factor on the covariance of a look at a part at `x_cp` in a camera, m. Looks at a part in the hand
     /// never count in full: the fingers hide much of it, and it may be turned in them.
     fn factor(&self, repeats: &mut Repeats, part: &str, x_cp: &Pose, parameters: &EyesParameters) -> f64 {
@@ -172,13 +182,16 @@ impl SceneReader {
         let (pegs, beams): (Vec<_>, Vec<_>) =
             parts.iter().filter(is_lost).partition(|part| self.pegs.contains(&part.part));
         let mut found: Vec<(String, Estimate)> = Vec::new();
+        // What stands on a beam hides it, and is hypothetical as well.
+        let framed = surroundings.framed(&parts, |part| is_lost(&part) && !self.pegs.contains(&part.part));
+        let frame = Scene { parts: &framed, ..scene };
         for part in parts.iter().filter(is_lost) {
             let expected = mislaid.iter().find(|it| it.part == part.part);
             for place in expected.iter().flat_map(|it| &it.places) {
                 let is_free = |(_, other): &(String, Estimate)| far(&other.x, place) > STANDING;
                 if found.iter().all(is_free) {
                     let mut view = View { finder: &mut self.finder, image, camera: &model };
-                    found.extend(standing(&mut view, &scene, part, place)?);
+                    found.extend(standing(&mut view, &frame, part, place)?);
                 }
             }
         }
@@ -218,12 +231,7 @@ impl SceneReader {
         let wanted = |part: &Believed| part.part == *base;
         let slack = slack(&eye.covariance, &x_wc);
         // Beams that may stand on it hide it, wherever they are.
-        let standing = |part: &Believed| {
-            let expected = surroundings.parts.iter().find(|it| it.part == part.part);
-            let place = expected.and_then(|it| it.places.first()).filter(|_| !self.pegs.contains(&part.part));
-            Believed { x_wp: place.copied().unwrap_or(part.x_wp), ..part.clone() }
-        };
-        let framed: Vec<Believed> = parts.iter().map(standing).collect();
+        let framed = surroundings.framed(parts, |part| !self.pegs.contains(&part.part));
         let mut found = None;
         for parts in [&*parts, &framed] {
             let scene = Scene { parts, holders: &surroundings.holders, width: surroundings.width };
