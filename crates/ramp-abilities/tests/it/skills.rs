@@ -404,17 +404,19 @@ fn a_beam_that_turned_in_the_hand_stays_where_it_is_let_go() {
     let world = GoalFiles::new("easy-3");
     let planner = PathPlanner::new(&world.arm);
     let b4 = world.assembly.beam_index("b4").unwrap();
-    let mut twin = turning(&world, 5);
-    {
-        let mut cell = fetched(&world, &planner, &mut twin, b4, "b4l2");
-        assemble(&mut cell, b4);
+    for seed in [1, 4, 7] {
+        let mut twin = turning(&world, seed);
+        {
+            let mut cell = fetched(&world, &planner, &mut twin, b4, "b4l2");
+            assemble(&mut cell, b4);
+        }
+        let truth = twin.truth();
+        let b4_at = truth.x_wp[twin.part_names().position(|part| part == "b4").unwrap()];
+        let place = world.assembly.kit.x_wa() * world.assembly.beams[b4].x_ab;
+        let off = (b4_at.translation.vector - place.translation.vector).norm();
+        assert!(off < 2.0e-3, "b4 stands {:.2} mm from its place", off * 1e3);
+        assert!(twin.largest_force() < 35.0, "{:.0} N", twin.largest_force());
     }
-    let truth = twin.truth();
-    let b4_at = truth.x_wp[twin.part_names().position(|part| part == "b4").unwrap()];
-    let place = world.assembly.kit.x_wa() * world.assembly.beams[b4].x_ab;
-    let off = (b4_at.translation.vector - place.translation.vector).norm();
-    assert!(off < 2.0e-3, "b4 stands {:.2} mm from its place", off * 1e3);
-    assert!(twin.largest_force() < 35.0, "{:.0} N", twin.largest_force());
 }
 
 /// A beam on a rib that presses against the edge of its slot follows the finger that opens, and would be
