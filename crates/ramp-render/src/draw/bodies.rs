@@ -2,9 +2,9 @@
 
 use super::lamp::{FULLY, Lit};
 use super::light::{lamp_on, linear, mixed, reflection, shade_on};
+use super::occluder::Corner;
 use super::renderer::{NOTHING, Renderer, SeenTag, TAG};
 use super::rigid::Rigid;
-use super::roof::Corner;
 use super::triangles::NEAR;
 use crate::looks::{Looks, METAL, Sticker};
 use crate::texture::{PLACES, TAG_LIGHT};
@@ -131,10 +131,11 @@ impl Renderer {
         let (shade, lamp) = (shade_on(&normal), lamp_on(&normal));
         let [a, b, c, d] = corners.each_mut();
         // The sheet's own tag is drawn without shadows, since cameras are calibrated by it.
-        let lit = match (self.lit([a, b, c], body), self.lit([a, c, d], body)) {
-            _ if body == NOTHING => Lit::Evenly(FULLY),
-            (lit, other) if lit == other => lit,
-            _ => Lit::Partly,
+        let lit = if body == NOTHING {
+            Lit::Evenly(FULLY)
+        } else {
+            let [lit, other] = [self.lit([&mut *a, b, &mut *c], body), self.lit([a, c, d], body)];
+            if lit == other { lit } else { Lit::Partly }
         };
         let levels = |light: f32| -> [u16; PLACES + 1] {
             let [white, black] = TAG_LIGHT.map(|share| share * light);

@@ -1,8 +1,8 @@
 //! How much of the lamp's light reaches a place on a body.
 
 use super::map::shadow_size;
+use super::occluder::{Corner, Occluder, along_light, plane};
 use super::renderer::Renderer;
-use super::roof::{Corner, Roof, along_light, plane};
 
 /// A triangle so small is lit as its corners are, cells: as wide as the edge of a shadow.
 const SMALL: f32 = 3.0;
@@ -46,11 +46,11 @@ impl Renderer {
         let (height, mut covered) = (plane(&at), 0);
         let count = across.len() * down.len();
         for (seen, row) in down.enumerate() {
-            let roofs = self.roofs[row * columns..][across.clone()].iter().zip(across.start..);
-            let covers = |(roof, column): (&Roof, usize)| {
-                usize::from(roof.covers(height(column as f32 + 0.5, row as f32 + 0.5), body))
+            let occluders = self.occluders[row * columns..][across.clone()].iter().zip(across.start..);
+            let covers = |(occluder, column): (&Occluder, usize)| {
+                usize::from(occluder.covers(height(column as f32 + 0.5, row as f32 + 0.5), body))
             };
-            covered += roofs.map(covers).sum::<usize>();
+            covered += occluders.map(covers).sum::<usize>();
             if covered > 0 && covered < (seen + 1) * across.len() {
                 return Lit::Partly;
             }
@@ -76,8 +76,9 @@ impl Renderer {
         let weights = |share: u32| [256 - share, 256, 256, share];
         let mut dark = 0;
         for (line, weight) in weights(down).into_iter().enumerate() {
-            let roofs = &self.roofs[(row + line) * columns + column..][..4];
-            let covered = roofs.iter().zip(weights(across)).filter(|(roof, _)| roof.covers(height, body));
+            let occluders = &self.occluders[(row + line) * columns + column..][..4];
+            let covered =
+                occluders.iter().zip(weights(across)).filter(|(occluder, _)| occluder.covers(height, body));
             dark += weight * covered.map(|(_, weight)| weight).sum::<u32>();
         }
         // Nine cells of 256 times 256.

@@ -1,8 +1,8 @@
 //! One picture, from the scene to the image.
 
+use super::occluder::Occluder;
 use super::renderer::{NOTHING, Renderer};
 use super::rigid::Rigid;
-use super::roof::Roof;
 use super::scene::Scene;
 use crate::looks::Looks;
 use crate::sensor::{FULL, Sensor};
@@ -90,7 +90,7 @@ impl Renderer {
         self.metal.push(false);
         let looks = Arc::clone(&self.looks);
         let x_cw = x_wc.inverse();
-        self.roofs.fill(Roof::NONE);
+        self.occluders.fill(Occluder::NONE);
         if with_shadows {
             self.cast_shadows(&looks, scene, &Rigid::new(&x_cw));
         }

@@ -1,8 +1,8 @@
 //! The buffers of one camera, and the last picture in them.
 
 use super::map::{TABLE, bare, shadow_size};
+use super::occluder::{Corner, Occluder};
 use super::rigid::Rigid;
-use super::roof::{Corner, Roof};
 use super::table::Node;
 use crate::lens::Lens;
 use crate::looks::{Looks, Sticker};
@@ -52,8 +52,8 @@ pub struct Renderer {
     /// Places on the table by rows of the image, and the camera's pose that they are seen from.
     pub(super) nodes: Vec<Node>,
     pub(super) nodes_from: Option<Pose>,
-    /// What the lamp meets above each cell of the map.
-    pub(super) roofs: Vec<Roof>,
+    /// The highest occluder of the lamp above each cell of the map.
+    pub(super) occluders: Vec<Occluder>,
     /// Corners of the body that is being drawn, once they are known.
     pub(super) corners: Vec<Option<Corner>>,
     /// Sums while shadows' edges are made soft.
@@ -84,7 +84,7 @@ impl Renderer {
             screen: Vec::new(),
             nodes: Vec::new(),
             nodes_from: None,
-            roofs: vec![Roof::NONE; cells[0] * cells[1]],
+            occluders: vec![Occluder::NONE; cells[0] * cells[1]],
             corners: Vec::new(),
             sums: [0, 1].map(|_| vec![0; cells[0] * cells[1]]),
             soft: vec![0; cells[0] * cells[1]],

@@ -2,9 +2,9 @@
 
 use super::light::LIGHT;
 use super::map::{WIDE, cells, shadow_size, spread};
+use super::occluder::{along_light, plane};
 use super::renderer::Renderer;
 use super::rigid::Rigid;
-use super::roof::{along_light, plane};
 use super::scene::Scene;
 use crate::looks::Looks;
 
@@ -34,17 +34,17 @@ impl Renderer {
                 let corners = triangle.map(|corner| self.screen[corner as usize]);
                 let height = plane(&corners);
                 cells(&corners, |row, from, to| {
-                    let roofs = &mut self.roofs[row * columns + from..=row * columns + to];
-                    for (roof, column) in roofs.iter_mut().zip(from..) {
-                        roof.raise(height(column as f32 + 0.5, row as f32 + 0.5), *index as u16);
+                    let occluders = &mut self.occluders[row * columns + from..=row * columns + to];
+                    for (occluder, column) in occluders.iter_mut().zip(from..) {
+                        occluder.raise(height(column as f32 + 0.5, row as f32 + 0.5), *index as u16);
                     }
                 });
             }
         }
         // Soft edges: the lamp is not a point. Then, wider, where there is any shadow at all.
         let [sums, marks] = &mut self.sums;
-        for (sum, roof) in sums.iter_mut().zip(&self.roofs) {
-            *sum = if roof.is_none() { 0 } else { 255 };
+        for (sum, occluder) in sums.iter_mut().zip(&self.occluders) {
+            *sum = if occluder.is_none() { 0 } else { 255 };
         }
         spread(sums, marks, columns);
         for (mark, sum) in marks.iter_mut().zip(&*sums) {

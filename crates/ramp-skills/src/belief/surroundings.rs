@@ -182,7 +182,7 @@ impl SceneReader {
         let (pegs, beams): (Vec<_>, Vec<_>) =
             parts.iter().filter(is_lost).partition(|part| self.pegs.contains(&part.part));
         let mut found: Vec<(String, Estimate)> = Vec::new();
-        // What stands on a beam hides it, and is hypothetical as well.
+        // A beam may be hidden by another one that stands on it, and is hypothetical as well.
         let framed = surroundings.framed(&parts, |part| is_lost(&part) && !self.pegs.contains(&part.part));
         let frame = Scene { parts: &framed, ..scene };
         for part in parts.iter().filter(is_lost) {

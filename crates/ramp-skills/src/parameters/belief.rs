@@ -112,8 +112,8 @@ parameters! {
         elsewhere_turn: f64 = "°", 0.0, 180.0;
         /// Position uncertainty from which a peg without tags is looked for everywhere in an image.
         lost: f64 = "m", 1e-4, 1.0;
-        /// Number of images from above without a part, which none before has shown, after which it is looked
-        /// for everywhere. Without tags.
+        /// Number of images from above that have not shown a part yet, after which it is looked for at its
+        /// places in the frame and elsewhere on the table. Without tags.
         mislaid: usize = "", 1.0, 10000.0;
         /// Number of images without a tag that should have been visible, after which the tag counts as
         /// covered or missing.

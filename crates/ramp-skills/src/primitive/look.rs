@@ -130,8 +130,8 @@ impl Workcell<'_, '_> {
     }
 
     /// Looks for the first time. Without tags nothing but the clamped beam tells where the camera on the hand
-    /// is, so that is visited before the first grasp. Parts of the goal that are not where they should lie
-    /// may stand in the frame: it looks until they are looked for there.
+    /// is, so that is visited before the first grasp. Parts that are not where they should lie may stand in
+    /// the frame: it looks until they are looked for there.
     ///
     /// # Errors
     /// The robot's.
@@ -149,7 +149,7 @@ impl Workcell<'_, '_> {
             if !beams.chain(pegs).any(is_unseen) {
                 break;
             }
-            self.look_again(2)?;
+            self.look_once()?;
         }
         Ok(())
     }

@@ -4,20 +4,21 @@
 use super::light::LIGHT;
 use super::map::{SHADOW_SCALE, TABLE};
 
-/// What throws a shadow is so far above what it falls on, m: more than the rough surfaces of parts stand out.
+/// Least height of an occluder above a place in its shadow, m: more than the rough surfaces of parts stand
+/// out.
 /// No body throws a shadow on itself, since the surfaces of the arm's links are rougher.
 const ABOVE: f32 = 6.0e-3;
 
-/// What the lamp meets first on its way to a cell.
+/// The body that the lamp's ray to a cell of the map meets first.
 #[derive(Clone, Copy)]
-pub(super) struct Roof {
+pub(super) struct Occluder {
     /// m above the table.
     height: f32,
     body: u16,
 }
 
-impl Roof {
-    pub(super) const NONE: Roof = Roof { height: f32::NEG_INFINITY, body: u16::MAX };
+impl Occluder {
+    pub(super) const NONE: Occluder = Occluder { height: f32::NEG_INFINITY, body: u16::MAX };
 
     /// Is there nothing above the cell?
     #[inline]
@@ -29,7 +30,7 @@ impl Roof {
     #[inline]
     pub(super) fn raise(&mut self, height: f32, body: u16) {
         if height > self.height {
-            *self = Roof { height, body };
+            *self = Occluder { height, body };
         }
     }
 
@@ -40,7 +41,7 @@ impl Roof {
     }
 }
 
-/// Where the light that passes a point (m, world) meets the map, in cells, and the point's height, m.
+/// The place on the map, in cells, of the light that passes a point (m, world), and the point's height, m.
 #[inline]
 pub(super) fn along_light([x, y, z]: &[f32; 3]) -> [f32; 3] {
     let down = z.max(0.0) / LIGHT[2];
