@@ -154,6 +154,18 @@ impl AssemblyBelief<'_> {
         far_end(self.assembly, self.pinned.iter().map(|(index, _)| *index), beam)
     }
 
+    /// Distance of a beam from its insertion path, across `direction`, m: the largest over its joints.
+    pub fn beside_path(&self, part: &str, goal: &Pose, direction: &Vector3<f64>) -> Result<f64, SkillError> {
+        let x_wp = self.parts.pose(part)?;
+        let beside = |p: Point3<f64>| {
+            let off = goal * p - x_wp * p;
+            (off - direction * off.dot(direction)).norm()
+        };
+        let joints = self.assembly.kit.beam(part).map_or(&[][..], |beam| &beam.joints);
+        let joints = joints.iter().map(|joint| Point3::new(joint.offset, 0.0, 0.0));
+        Ok(joints.map(beside).fold(beside(Point3::origin()), f64::max))
+    }
+
     /// Remaining distance of a beam to its place along `direction`, m: the largest over its joints.
     pub fn remaining(&self, part: &str, goal: &Pose, direction: &Vector3<f64>) -> Result<f64, SkillError> {
         let x_wp = self.parts.pose(part)?;

@@ -108,6 +108,15 @@ impl<'r> Hand<'r> {
         }
     }
 
+    /// The bounds of a trim of this arm: the more it feels in free space, the more friction there is.
+    pub fn trim_bounds(&self) -> TrimParameters {
+        let mut bounds = self.trim.clone();
+        let rough = (self.usual_force / bounds.smooth).max(1.0);
+        bounds.most *= rough;
+        bounds.most_turn *= rough;
+        bounds
+    }
+
     /// Reads the poses of the parts. Time may pass, during which the arm follows its last command.
     ///
     /// # Errors

@@ -11,7 +11,7 @@ mod gripper;
 mod speed_profile;
 mod straight;
 mod trajectory;
-mod trim;
+pub mod trim;
 
 pub use access::{Arrival, Hand, Held};
 pub use force::Rise;

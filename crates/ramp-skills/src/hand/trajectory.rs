@@ -98,6 +98,8 @@ impl Hand<'_> {
             self.guard()?;
             if stop(self) {
                 self.relax();
+                // Whoever waits now repeats a command that yields, and not one of a joint in motion.
+                self.tick()?;
                 return Ok(true);
             }
         }

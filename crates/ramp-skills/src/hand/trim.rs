@@ -8,7 +8,7 @@ use crate::Pose;
 use crate::parameters::hand::TrimParameters;
 
 /// Integral correction that keeps the tip on a line. All in the world.
-pub(super) struct Trim {
+pub struct Trim {
     pub(super) parameters: TrimParameters,
     /// A setpoint of the motion, and the pose of the tip that belongs to it.
     setpoint: Pose,
@@ -29,7 +29,7 @@ impl Trim {
         let way = x_wt.translation.vector - hand.setpoint.translation.vector;
         let (setpoint, tip) = arrives.map_or((hand.setpoint, hand.seen.x_wt), |arrives| (*x_wt, *arrives));
         Trim {
-            parameters: hand.trim.clone(),
+            parameters: hand.trim_bounds(),
             setpoint,
             tip,
             turns: arrives.is_none(),
@@ -39,8 +39,16 @@ impl Trim {
         }
     }
 
+    /// For a tip that is to be at the pose that each period names, within these bounds. Along
+    /// `direction`, a unit vector, nothing is corrected.
+    pub fn at_named_poses(parameters: TrimParameters, direction: Vector3<f64>) -> Trim {
+        let (setpoint, tip) = (Pose::identity(), Pose::identity());
+        let (shift, turn) = (Vector3::zeros(), Vector3::zeros());
+        Trim { parameters, setpoint, tip, turns: true, direction, shift, turn }
+    }
+
     /// The setpoint for a point of the line, with the tip at `seen`.
-    pub(super) fn trimmed(&mut self, line: &Pose, seen: &Pose) -> Pose {
+    pub fn trimmed(&mut self, line: &Pose, seen: &Pose) -> Pose {
         let wanted = self.tip.translation.vector + line.translation.vector - self.setpoint.translation.vector;
         let off = wanted - seen.translation.vector;
         let off = off - self.direction * off.dot(&self.direction);
@@ -68,15 +76,7 @@ mod tests {
     #[test]
     fn the_trim_brings_the_tip_back_to_its_line() {
         let parameters = Parameters::baseline().trim.clone();
-        let trim = |direction| Trim {
-            parameters: parameters.clone(),
-            setpoint: Pose::identity(),
-            tip: Pose::identity(),
-            turns: true,
-            direction,
-            shift: Vector3::zeros(),
-            turn: Vector3::zeros(),
-        };
+        let trim = |direction| Trim::at_named_poses(parameters.clone(), direction);
         let friction = Pose::new(Vector3::new(-0.4e-3, 0.0, -0.3e-3), Vector3::new(0.0, 3.0e-3, 0.0));
         let mut kept = trim(Vector3::x());
         let mut setpoint = Pose::identity();

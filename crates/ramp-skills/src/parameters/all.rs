@@ -8,8 +8,8 @@ use sha2::{Digest, Sha256};
 
 use super::belief::{BeliefParameters, DiagnosisParameters, EyesParameters};
 use super::contact::{
-    ComplianceParameters, FeelParameters, PegSearchParameters, PressParameters, SearchParameters,
-    TouchParameters,
+    ComplianceParameters, FeelParameters, PegSearchParameters, PressParameters, ProbeParameters,
+    SearchParameters, TouchParameters,
 };
 use super::group::{Group, Values};
 use super::hand::{
@@ -128,6 +128,8 @@ groups! {
     search_loose: ComplianceParameters,
     /// Its motion with a cap.
     search_cap: ComplianceParameters,
+    /// Probing for the mouth of a joint.
+    probe: ProbeParameters,
     /// The search with a peg.
     peg_search: PegSearchParameters,
     /// Pressing a peg until it is seated.

@@ -20,6 +20,9 @@ parameters! {
         look_every: f64 = "s", 0.1, 600.0;
         /// Progress that counts as having moved.
         progress: f64 = "m", 0.0, 0.05;
+        /// Time in which the tip comes back to where it is wanted, and follows a swing. Chosen: as a swing
+        /// takes.
+        keep_time: f64 = "s", 0.02, 10.0;
     }
 }
 
@@ -125,11 +128,53 @@ parameters! {
         roll: f64 = "rad", 0.0, 0.5;
         /// Frequency of the swing about the horizontal axis.
         roll_rate: f64 = "Hz", 0.0, 20.0;
+        /// Share of the trim's bounds up to which the tip is brought back to where it is wanted across the
+        /// path. A cap is pressed on the table by what it lacks.
+        kept: f64 = "", 0.0, 1.0;
+        /// The same for its rotation. Friction of 0.8 N·m in the wrist leaves the hand turned by 1.3°, and
+        /// the end of a long beam 5 mm too high.
+        kept_turn: f64 = "", 0.0, 1.0;
         /// Time within which a search must advance, or it ends. A cap that stalls for long is beside an end
         /// and is put on again.
         pace_time: f64 = "s", 0.1, 600.0;
         /// Distance from its place at which the beam is inserted and the search ends.
         near: f64 = "m", 1e-5, 0.02;
+    }
+}
+
+parameters! {
+    /// Probing for the mouth of a joint with a held beam.
+    ProbeParameters {
+        /// Distance between the places of the grid. Chosen: an unchamfered edge passes within 0.3 mm.
+        pitch: f64 = "m", 1e-5, 0.01;
+        /// Extent of the grid across the path, and upwards, to each side: the errors of a rough arm's
+        /// kinematics, and of a height that was touched.
+        reach: [f64; 2] = "m", 0.0, 0.02;
+        /// Distance by which the beam backs off. Chosen: the trim takes as long to bring it onto the next
+        /// line.
+        back: f64 = "m", 1e-3, 0.05;
+        /// Distance beyond the edge to which it is pushed: with the hand's stiffness, a push of 12 N.
+        beyond: f64 = "m", 1e-3, 0.05;
+        /// Distance beyond the edge from which it has entered. Chosen: beyond the compliance of a frame.
+        entered: f64 = "m", 1e-3, 0.05;
+        /// Speed of a probe. Chosen.
+        speed: f64 = "m/s", 1e-3, 0.5;
+        /// Force that ends a probe. Chosen.
+        limit: f64 = "N", 0.5, 100.0;
+    }
+}
+
+impl ProbeParameters {
+    /// The places of the grid, across the path and upwards (m), the nearest to its middle first.
+    pub fn places(&self) -> Vec<[f64; 2]> {
+        let steps = self.reach.map(|reach| (reach / self.pitch).floor() as i32);
+        let at = |step: i32| f64::from(step) * self.pitch;
+        let mut places: Vec<[f64; 2]> = (-steps[0]..=steps[0])
+            .flat_map(|across| (-steps[1]..=steps[1]).map(move |up| [at(across), at(up)]))
+            .collect();
+        let far = |place: &[f64; 2]| place[0].hypot(place[1]);
+        places.sort_by(|a, b| far(a).total_cmp(&far(b)));
+        places
     }
 }
 
@@ -157,6 +202,14 @@ parameters! {
         speed: f64 = "m/s", 1e-4, 0.1;
         /// Radius at which the spiral turns back inward. Chosen.
         widest: f64 = "m", 1e-3, 0.1;
+        /// Depth below the height of the contact at which the cone of the tip is in a hole. Chosen: a sixth
+        /// of the cone.
+        caught: f64 = "m", 1e-4, 0.02;
+        /// Force with which it is pressed there. Chosen: on its cone, more than the friction of a rough arm
+        /// aside.
+        sink_force: f64 = "N", 0.5, 50.0;
+        /// Time for which it is. Chosen.
+        sink_time: f64 = "s", 0.0, 10.0;
         /// Downward force while the wrist measures the contact point of a tilted peg, and during the search
         /// with that peg.
         tilted_force: f64 = "N", 0.5, 50.0;
@@ -245,5 +298,20 @@ parameters! {
         height_error: f64 = "m", 0.0, 0.01;
         /// Number of times a peg that is not flush is pressed by its head. Chosen.
         tries: usize = "", 0.0, 20.0;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::parameters::Parameters;
+
+    /// The place where the mouth is believed is probed first, then those beside it, each once.
+    #[test]
+    fn probes_go_from_the_middle_outwards() {
+        let places = Parameters::baseline().probe.places();
+        assert_eq!(places.len(), 11 * 3);
+        assert_eq!(places[0], [0.0, 0.0]);
+        let far = |place: &[f64; 2]| place[0].hypot(place[1]);
+        assert!(places.is_sorted_by(|a, b| far(a) <= far(b) && a != b));
     }
 }

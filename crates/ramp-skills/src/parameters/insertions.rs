@@ -20,6 +20,11 @@ parameters! {
         loose_speed: f64 = "m/s", 1e-3, 0.5;
         /// Acceleration of such a push.
         loose_acceleration: f64 = "m/s²", 0.01, 10.0;
+        /// Step of a push that is watched: an arm whose own friction exceeds the force of a sleeve that
+        /// it drags along looks after each. Chosen.
+        watched_step: f64 = "m", 1e-3, 0.5;
+        /// Shift of the sleeve that is seen then, beyond the errors of one image. Chosen.
+        watched_moved: f64 = "m", 1e-4, 0.1;
         /// Force against the motion at which such a push stops however slowly it rises. Chosen: half of the
         /// force at which the hand yields.
         loose_most: f64 = "N", 0.5, 100.0;
@@ -86,6 +91,9 @@ parameters! {
         height: f64 = "m", 0.0, 0.01;
         /// Speed at which a beam in its joints is brought to its place. Chosen.
         seat_speed: f64 = "m/s", 1e-3, 0.5;
+        /// Distance of a joint across the insertion path from which a beam at its place is not in its
+        /// joints: a female is 33 mm high, and its beam sags by less.
+        beside: f64 = "m", 1e-3, 0.1;
     }
 }
 

@@ -5,6 +5,7 @@ pub mod grip;
 pub mod look;
 pub mod peg_search;
 pub mod press;
+pub mod probe;
 pub mod release;
 pub mod search;
 pub mod touch;

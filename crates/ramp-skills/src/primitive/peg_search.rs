@@ -12,6 +12,7 @@ use crate::Pose;
 use crate::cell::Workcell;
 use crate::fault::SkillError;
 use crate::grasp::PEG_HEIGHT;
+use crate::hand::trim::Trim;
 use crate::parameters::contact::PegSearchParameters;
 use ramp_robot::PERIOD;
 
@@ -63,14 +64,30 @@ impl Workcell<'_, '_> {
         search.tilted_least + search.moment_spread * off / force
     }
 
-    /// Searches for the hole along an Archimedean spiral with constant light force down, until the tip drops
-    /// in or the time limit (s) is reached. At its widest radius the spiral turns back inward. A `wary`
-    /// search gets the error of the moment (N·m), begins slowly, and ends when the measured contact point
-    /// cannot be the tip of an upright peg, which would come off the plate before it came to the hole.
-    pub fn spiral(&mut self, plate: f64, longest: f64, wary: Option<f64>) -> Result<(), SkillError> {
-        let centre = self.hand.seen.x_wt.translation.vector;
+    /// Where the hand is when the tip of the held peg is believed over `mouth` (m, both in the world).
+    pub fn over_mouth(&self, mouth: &Vector3<f64>) -> Vector3<f64> {
+        let hand = self.hand.seen.x_wt.translation.vector;
+        let tip = self.hand.x_wp_held().map(|x| (x * Point3::new(0.0, 0.0, -STEM_LENGTH)).coords);
+        tip.map_or(*mouth, |tip| mouth + hand - tip)
+    }
+
+    /// Searches for the hole along an Archimedean spiral of the hand about `centre` (m, in the world), with
+    /// constant light force down, until the tip drops in or the time limit (s) is reached. Friction drags
+    /// the tip behind, and the setpoint leads it by as much. A tip that sinks a little is let in. At its
+    /// widest radius the spiral turns back inward. A `wary` search gets the error of the moment (N·m), begins
+    /// slowly, and ends when the measured contact point cannot be the tip of an upright peg, which would come
+    /// off the plate before it came to the hole.
+    pub fn spiral(
+        &mut self,
+        plate: f64,
+        centre: &Vector3<f64>,
+        longest: f64,
+        wary: Option<f64>,
+    ) -> Result<(), SkillError> {
+        let mut trim = Trim::at_named_poses(self.hand.trim_bounds(), Vector3::z());
         let begin = self.hand.time();
         let (mut angle, mut measured, mut period) = (0.0_f64, Vector6::zeros(), 0);
+        let mut contact = None;
         let force = self.parameters.peg_search.force;
         while self.hand.time() - begin < longest {
             let radius = self.parameters.peg_search.radius(angle);
@@ -80,9 +97,20 @@ impl Workcell<'_, '_> {
             let search = &self.parameters.peg_search;
             let speed = if slow { search.tilted_speed } else { search.speed };
             angle += speed * PERIOD / radius.max(0.5e-3);
-            self.slide_to(centre.x + radius * angle.cos(), centre.y + radius * angle.sin(), force)?;
+            let mut wanted = self.hand.setpoint;
+            wanted.translation.x = centre.x + radius * angle.cos();
+            wanted.translation.y = centre.y + radius * angle.sin();
+            let kept = trim.trimmed(&wanted, &self.hand.seen.x_wt).translation;
+            self.slide_to(kept.x, kept.y, force)?;
             if self.is_in(plate) {
                 break;
+            }
+            let height = self.hand.seen.x_wt.translation.z;
+            if height < *contact.get_or_insert(height) - self.parameters.peg_search.caught {
+                if self.sink(plate)? {
+                    break;
+                }
+                contact = None;
             }
             if (self.parameters.peg_search.periods / 3..self.parameters.peg_search.periods).contains(&period)
             {
@@ -98,6 +126,18 @@ impl Workcell<'_, '_> {
             period += 1;
         }
         Ok(())
+    }
+
+    /// Presses with a tip that has sunk a little, while the hand goes along with it: its cone leads it into
+    /// the hole, unless the hand holds it aside. Returns whether it went in.
+    fn sink(&mut self, plate: f64) -> Result<bool, SkillError> {
+        let PegSearchParameters { sink_force, sink_time, .. } = self.parameters.peg_search;
+        let begin = self.hand.time();
+        while self.hand.time() - begin < sink_time && !self.is_in(plate) {
+            let here = self.hand.seen.x_wt.translation;
+            self.slide_to(here.x, here.y, sink_force)?;
+        }
+        Ok(self.is_in(plate))
     }
 
     /// One control period of sliding over the plate, to a place (m in the world), with constant force down

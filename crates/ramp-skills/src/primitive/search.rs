@@ -9,6 +9,7 @@ use ramp_robot::Search;
 use crate::Pose;
 use crate::cell::Workcell;
 use crate::fault::SkillError;
+use crate::hand::trim::Trim;
 use crate::parameters::contact::ComplianceParameters;
 
 impl Workcell<'_, '_> {
@@ -37,6 +38,12 @@ impl Workcell<'_, '_> {
         let mut paced = (begin, best);
         // The line of the insertion path, as a correction of the setpoint that each look renews.
         let mut line = self.hand.setpoint;
+        // Joint friction holds the tip off that line by more than the sleeve forgives.
+        let mut bounds = self.hand.trim_bounds();
+        bounds.time = self.parameters.search.keep_time;
+        bounds.most *= compliance.kept;
+        bounds.most_turn *= compliance.kept_turn;
+        let mut trim = Trim::at_named_poses(bounds, *direction);
         let mut ticks = 0u32;
         while self.hand.time() - begin < self.parameters.search.longest {
             if ticks.is_multiple_of(20) {
@@ -83,15 +90,16 @@ impl Workcell<'_, '_> {
                 ((time - self.parameters.search.growth) / self.parameters.search.cycle).clamp(0.0, 1.0);
             let [begins, ends] = compliance.force;
             let lead = (begins + (ends - begins) * long) / self.hand.stiffness.x;
-            let shift = direction * lead
-                + across * swing(compliance.across, compliance.across_rate)
+            let shift = across * swing(compliance.across, compliance.across_rate)
                 + Vector3::z() * swing(compliance.up, compliance.up_rate);
             let yaw = compliance.yaw * grown * wave(compliance.yaw_rate);
             let roll = compliance.roll * grown * wave(compliance.roll_rate);
             let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), yaw)
                 * UnitQuaternion::from_scaled_axis(across * roll);
-            self.hand.setpoint =
+            let swung =
                 Pose::from_parts(Translation3::from(line.translation.vector + shift), turn * line.rotation);
+            let kept = trim.trimmed(&swung, &self.hand.seen.x_wt);
+            self.hand.setpoint = Translation3::from(direction * lead) * kept;
             self.hand.tick()?;
         }
         let duration = Some(self.hand.time() - begin);

@@ -69,12 +69,17 @@ impl Workcell<'_, '_> {
         self.hand.go(&before, self.parameters.touch.back_speed)
     }
 
+    /// Whether the arm feels so much in free space that its joints must have much friction.
+    pub fn is_rough(&self) -> bool {
+        self.hand.usual_force >= self.parameters.touch.rough
+    }
+
     /// Rocks the hand about an axis (a unit vector, axes of the world) with a swing that dies away: the beam
     /// that it presses comes to lie as the contact says, and not as the friction of the joints holds the
     /// hand. An arm whose force in free space is nearly right has little friction, and does without.
     fn rock(&mut self, axis: &Vector3<f64>) -> Result<(), SkillError> {
         let touch = self.parameters.touch.clone();
-        if self.hand.usual_force < touch.rough {
+        if !self.is_rough() {
             return Ok(());
         }
         let (begin, middle) = (self.hand.time(), self.hand.setpoint);

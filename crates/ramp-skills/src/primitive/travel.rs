@@ -173,7 +173,9 @@ impl Workcell<'_, '_> {
         let mut above = *x_wt;
         above.translation.z = above.translation.z.max(self.parameters.travel.height);
         self.travel(&above)?;
-        if self.height_off.is_none() && self.feel_down(x_wt, part)? {
+        // A rough arm is elsewhere as much too low as it was too high at the last grasp.
+        let unknown = self.height_off.is_none() || self.is_rough();
+        if unknown && self.feel_down(x_wt, part)? {
             return Ok(());
         }
         let down = match self.travel_and_grip(x_wt, Some(part), Some(closing)) {

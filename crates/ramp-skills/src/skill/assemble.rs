@@ -86,7 +86,7 @@ impl Assemble {
         self.insertion.approach_mouths(cell, beam, &aim, &target)?;
         cell.glance()?;
         // A beam that has entered a loose sleeve aligns itself in it.
-        let arrive = (!loose).then_some(&raised);
+        let arrive = (!loose || aim.watched).then_some(&raised);
         let mut pushed = self.insertion.push_in(cell, beam, &aim, &target, arrive, limit)?;
         if loose {
             self.push_on(cell, beam, &mut aim, &mut pushed)?;
@@ -107,6 +107,11 @@ impl Assemble {
                 remaining = cell.belief.remaining(&name, &aim.goal, &direction)?;
                 // The search gets past edges. What holds a beam for longer is an obstacle.
                 stuck = stood > cell.parameters.insertion.stuck || remaining > enough;
+                // A mouth is at least as far from the place: an edge that the swing has not passed.
+                if !loose && remaining > cell.parameters.insertion.mouth / 2.0 {
+                    remaining = self.enter(cell, beam, &aim, (remaining, limit))?;
+                    stuck = remaining > enough;
+                }
             }
             if stuck {
                 cell.diagnose(Cause::Jam, name.as_str(), met);
@@ -148,7 +153,7 @@ impl Assemble {
             if remaining < cell.parameters.search.seated {
                 break;
             }
-            if before - remaining < self.parameters.loose_gain {
+            if pushed.dragged || before - remaining < self.parameters.loose_gain {
                 let Some(next) = offsets.next() else { break };
                 offset = *next;
                 let mut back = cell.hand.setpoint;
@@ -161,13 +166,44 @@ impl Assemble {
             let raised = Translation3::from(Vector3::z() * offset) * aim.goal;
             let target = cell.hand.corrected(&cell.belief.parts.pose(&name)?, &raised);
             let limit = self.limit(cell, true);
-            *pushed = self.insertion.push_in(cell, beam, aim, &target, None, limit)?;
+            let arrive = aim.watched.then_some(&raised);
+            *pushed = self.insertion.push_in(cell, beam, aim, &target, arrive, limit)?;
         }
         if pushes > 0 {
             let method = "push".to_string();
             cell.record(Search { method, part: name, duration: None, attempts: Some(pushes) });
         }
         Ok(())
+    }
+
+    /// Probes for a mouth that the compliant search has not found, and pushes the beam on from there. Returns
+    /// how far the beam is from its place then, m.
+    fn enter(
+        &self,
+        cell: &mut Workcell,
+        beam: usize,
+        aim: &Aim,
+        (mut remaining, limit): (f64, f64),
+    ) -> Result<f64, SkillError> {
+        let name = cell.assembly.beams[beam].beam.name.clone();
+        let enough = 2.0 * cell.parameters.search.seated;
+        while remaining > enough {
+            // Where a beam that has moved in the hand ends, no probe would find a mouth.
+            cell.see(&[cell.belief.middle(&name)], cell.parameters.insertion.known)?;
+            if cell.belief.beside_path(&name, &aim.goal, &aim.direction)? > self.parameters.beside
+                || !cell.probe(&name, &aim.goal, &aim.direction)?
+            {
+                break;
+            }
+            let target = cell.hand.corrected(&cell.belief.parts.pose(&name)?, &aim.goal);
+            self.insertion.push_in(cell, beam, aim, &target, Some(&aim.goal), limit)?;
+            let now = cell.belief.remaining(&name, &aim.goal, &aim.direction)?;
+            if remaining - now < cell.parameters.search.pace_distance {
+                break;
+            }
+            remaining = now;
+        }
+        cell.belief.remaining(&name, &aim.goal, &aim.direction)
     }
 
     /// Brings a held beam that is in its joints to `goal` by detections. The remaining distance is mostly a
@@ -197,6 +233,14 @@ impl Assemble {
             }
             cell.see(&[cell.belief.middle(&name)], cell.parameters.insertion.known)?;
             let remaining = cell.belief.remaining(&name, goal, &direction)?;
+            // Over its joints or beside them, it has only come as far.
+            let beside = cell.belief.beside_path(&name, goal, &direction)?;
+            if beside > self.parameters.beside {
+                let met = format!("{name} is {:.0} mm beside its insertion path", beside * 1e3);
+                cell.diagnose(Cause::Jam, name.as_str(), met);
+                let force = cell.hand.force().dot(&direction);
+                return self.insertion.back_out(cell, beam, &direction, remaining, force);
+            }
             if remaining < cell.parameters.search.seated
                 || remaining < enough && before - remaining < cell.parameters.search.progress
             {

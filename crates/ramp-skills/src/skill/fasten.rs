@@ -191,7 +191,8 @@ impl Fasten {
             // Through the female's plate, and on the male's: its hole is searched with a light force as well.
             let tip = plate + cell.belief.gap(connection, peg)? - STEM_LENGTH;
             let begin = cell.hand.time();
-            cell.spiral(tip, self.parameters.near_time, None)?;
+            let here = cell.hand.seen.x_wt.translation.vector;
+            cell.spiral(tip, &here, self.parameters.near_time, None)?;
             let (method, part) = ("spiral_inside".to_string(), name.clone());
             let duration = Some(cell.hand.time() - begin);
             cell.record(Search { method, part, duration, attempts: None });
@@ -243,13 +244,13 @@ impl Fasten {
         // A search that failed once would fail again.
         let sure = slipped || attempt > 0;
         if !slipped {
-            cell.spiral(plate, self.parameters.near_time, Some(off))?;
+            cell.spiral(plate, &cell.over_mouth(&mouth), self.parameters.near_time, Some(off))?;
         }
         if !cell.is_in(plate) {
             upright = cell.search_tilted(connection, peg, plate, sure)?;
         }
         if !cell.is_in(plate) {
-            cell.spiral(plate, self.parameters.search_time, None)?;
+            cell.spiral(plate, &cell.over_mouth(&mouth), self.parameters.search_time, None)?;
         }
         if cell.is_in(plate) && !upright {
             upright = cell.set_upright_if_beside(peg, &mouth, false)?;

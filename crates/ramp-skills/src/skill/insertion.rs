@@ -1,6 +1,6 @@
 //! Common steps of all insertions of a held beam: attempts, start, push, retreat.
 
-use nalgebra::{Translation3, Vector3};
+use nalgebra::{Point3, Translation3, Vector3};
 use ramp_robot::{EventKind, Retry};
 
 use super::contract::Call;
@@ -28,12 +28,16 @@ pub struct Aim {
     pub direction: Vector3<f64>,
     /// Beams, by name, that the beam passes through and that little holds.
     pub loose: Vec<String>,
+    /// The arm feels too little to tell that it drags one of those along: images have to.
+    pub watched: bool,
 }
 
 /// Outcome of a push.
 pub struct Pushed {
-    /// It met more force than its limit.
+    /// It met more force than its limit, or dragged a sleeve along.
     pub stopped: bool,
+    /// It dragged a sleeve along.
+    pub dragged: bool,
     /// The force against it at its end, N.
     pub force: f64,
 }
@@ -118,7 +122,8 @@ impl Insertion {
         cell.hand.zero()?;
         // A loose beam turns about a single peg, too.
         let loose = cell.belief.loose_sleeves(beam, 1);
-        Ok(Aim { goal, direction, loose })
+        let watched = !loose.is_empty() && cell.is_rough();
+        Ok(Aim { goal, direction, loose, watched })
     }
 
     /// Moves the tip fast towards `target` (world) up to where the males come to the mouths of their joints.
@@ -144,7 +149,8 @@ impl Insertion {
 
     /// Pushes the tip to `target` (world) until the beam meets more than `limit` (N, through a loosely held
     /// sleeve a rise of the force), and adds the shifts that the push may have caused to the belief. A beam
-    /// with a pose to `arrive` at (world) is brought onto its line during the motion.
+    /// with a pose to `arrive` at (world) is brought onto its line during the motion. A `watched` push goes
+    /// in steps, with a look after each.
     ///
     /// # Errors
     /// The fault that stopped the motion, or the robot's error.
@@ -166,11 +172,28 @@ impl Insertion {
         let InsertionParameters { speed, acceleration, loose_speed, loose_acceleration, .. } =
             self.parameters;
         let pace = if loose { (loose_speed, loose_acceleration) } else { (speed, acceleration) };
-        let stopped = cell.hand.drive_in_line(target, arrives.as_ref(), pace, |hand| {
-            let force = hand.force().dot(&direction);
-            // A rise that is slow is no edge; yet what meets this much does not go on.
-            if loose { rise.sense(hand) > limit || force > self.parameters.loose_most } else { force > limit }
-        })?;
+        let way = (target.translation.vector - cell.hand.setpoint.translation.vector).dot(&direction);
+        let steps = if aim.watched { (way / self.parameters.watched_step).ceil().max(1.0) } else { 1.0 };
+        let before = self.sleeve_holes(cell, beam, aim)?;
+        let (mut stopped, mut dragged) = (false, false);
+        for step in 1..=steps as usize {
+            let left = Translation3::from(direction * -(way * (1.0 - step as f64 / steps)));
+            let arrives = arrives.map(|arrives| left * arrives);
+            stopped = cell.hand.drive_in_line(&(left * target), arrives.as_ref(), pace, |hand| {
+                let force = hand.force().dot(&direction);
+                // A rise that is slow is no edge; yet what meets this much does not go on.
+                if loose {
+                    rise.sense(hand) > limit || force > self.parameters.loose_most
+                } else {
+                    force > limit
+                }
+            })?;
+            dragged = aim.watched && self.drags(cell, beam, aim, &before)?;
+            stopped |= dragged;
+            if stopped {
+                break;
+            }
+        }
         let force = cell.hand.force().dot(&direction);
         cell.hand.wait(self.parameters.rest)?;
         // A beam that meets an edge moves the sleeve: it may rotate about two pegs that are close together.
@@ -187,7 +210,33 @@ impl Insertion {
             cell.belief.parts.bumped(&met, bump);
         }
         cell.glance()?;
-        Ok(Pushed { stopped, force })
+        Ok(Pushed { stopped, dragged, force })
+    }
+
+    /// Looks whether the sleeves that little holds have moved along, from where they were `before`, m in the
+    /// world.
+    fn drags(
+        &self,
+        cell: &mut Workcell,
+        beam: usize,
+        aim: &Aim,
+        before: &[Point3<f64>],
+    ) -> Result<bool, SkillError> {
+        for sleeve in &aim.loose {
+            let bump = (self.parameters.loose_bump, self.parameters.loose_bump_turn);
+            cell.belief.parts.bumped(sleeve, bump);
+        }
+        cell.look_again(1)?;
+        let now = self.sleeve_holes(cell, beam, aim)?;
+        let moved = before.iter().zip(&now).map(|(before, now)| (now - before).norm());
+        Ok(moved.fold(0.0, f64::max) > self.parameters.watched_moved)
+    }
+
+    /// Where the sleeves of an insertion that little holds are believed to be, m in the world.
+    fn sleeve_holes(&self, cell: &Workcell, beam: usize, aim: &Aim) -> Result<Vec<Point3<f64>>, SkillError> {
+        let sleeves = cell.belief.sleeves(beam);
+        let loose = sleeves.filter(|it| aim.loose.contains(&cell.assembly.beams[it.beam].beam.name));
+        loose.map(|sleeve| cell.belief.parts.hole(cell.assembly, sleeve)).collect()
     }
 
     /// Backs a jammed beam out to where its insertion began, free of the joint. A beam that catches on an

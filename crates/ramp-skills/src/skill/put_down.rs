@@ -86,7 +86,8 @@ impl PutDown {
         // The head of a peg rests on its holder, so that is as high as the head's underside.
         let holder = held.x_wp_back.translation.z;
         if !is_beam && !cell.is_in(holder) {
-            cell.spiral(holder, self.parameters.search_time, None)?;
+            let here = cell.hand.seen.x_wt.translation.vector;
+            cell.spiral(holder, &here, self.parameters.search_time, None)?;
             let here =
                 Translation3::from(cell.hand.seen.x_wt.translation.vector.xy().push(down.translation.z));
             lower(cell, &Pose::from_parts(here, down.rotation))?;
