@@ -30,7 +30,7 @@ fn a_peg_that_stands_aslant_is_set_upright() {
 /// tilted.
 #[test]
 fn a_peg_that_is_pressed_aslant_is_no_jam() {
-    let result = told("easy-1", 31, "peg-tilted@1", "grip-moved: p1 ");
+    let result = told("easy-1", 36, "peg-tilted@1", "grip-moved: p1 ");
     let told = result.events.iter().map(|event| event.kind.to_string());
     let presses = told.filter(|text| text.starts_with("grip-moved: p1 presses ")).count();
     assert!(presses > 0, "{:?}", result.events);

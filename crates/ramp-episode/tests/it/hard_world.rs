@@ -8,7 +8,7 @@ use ramp_twin::World;
 /// down on it from above once, and hold it: no grasp is tried in vain.
 #[test]
 fn fingers_beside_the_slots_find_them_on_a_compliant_arm() {
-    let result = GoalFiles::new("easy-1").run_in(World::shipped("hard").unwrap(), Track::State, 67);
+    let result = GoalFiles::new("easy-1").run_in(World::shipped("hard").unwrap(), Track::State, 90);
     let is_b5 = |part: &Option<String>| part.as_deref() == Some("b5");
     let beside = |kind: &EventKind| matches!(kind, EventKind::Diagnosis { cause: Cause::GripWeak, part, .. } if is_b5(part));
     let in_vain =

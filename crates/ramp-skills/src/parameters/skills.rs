@@ -273,6 +273,9 @@ parameters! {
         near: f64 = "m", 0.0, 0.01;
         /// Remaining fraction of the deviation above which a beam is not pushed again. Chosen.
         no_nearer: f64 = "", 0.0, 1.0;
+        /// Distance by which a push that leaves more than that share must bring the beam nearer, or it was
+        /// the last. Chosen.
+        gained: f64 = "m", 1e-4, 0.1;
         /// Largest number of motions in one push: friction on the table stops each of them a little short.
         motions: usize = "", 1.0, 50.0;
     }

@@ -97,7 +97,9 @@ impl Push {
             if worst < self.parameters.near {
                 return Ok(());
             }
-            if worst > self.parameters.no_nearer * before {
+            // A sleeve that was dragged far along its beam comes back bit by bit.
+            let no_nearer = worst > self.parameters.no_nearer * before;
+            if no_nearer && before - worst < self.parameters.gained {
                 // Friction takes it back each time, and the next part tolerates this much; or the beam is
                 // caught on something.
                 if worst < cell.parameters.alignment.peggable {
