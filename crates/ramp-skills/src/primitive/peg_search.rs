@@ -64,7 +64,7 @@ impl Workcell<'_, '_> {
         search.tilted_least + search.moment_spread * off / force
     }
 
-    /// Where the hand is when the tip of the held peg is believed over `mouth` (m, both in the world).
+    /// Place of the hand with the tip of the held peg, as is believed, over `mouth` (m, both in the world).
     pub fn over_mouth(&self, mouth: &Vector3<f64>) -> Vector3<f64> {
         let hand = self.hand.seen.x_wt.translation.vector;
         let tip = self.hand.x_wp_held().map(|x| (x * Point3::new(0.0, 0.0, -STEM_LENGTH)).coords);

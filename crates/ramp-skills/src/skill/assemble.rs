@@ -188,7 +188,7 @@ impl Assemble {
         let name = cell.assembly.beams[beam].beam.name.clone();
         let enough = 2.0 * cell.parameters.search.seated;
         while remaining > enough {
-            // Where a beam that has moved in the hand ends, no probe would find a mouth.
+            // With a beam that has moved in the hand, no probe would find a mouth.
             cell.see(&[cell.belief.middle(&name)], cell.parameters.insertion.known)?;
             if cell.belief.beside_path(&name, &aim.goal, &aim.direction)? > self.parameters.beside
                 || !cell.probe(&name, &aim.goal, &aim.direction)?

@@ -232,7 +232,7 @@ impl Insertion {
         Ok(moved.fold(0.0, f64::max) > self.parameters.watched_moved)
     }
 
-    /// Where the sleeves of an insertion that little holds are believed to be, m in the world.
+    /// Believed places of the sleeves of an insertion that little holds, m in the world.
     fn sleeve_holes(&self, cell: &Workcell, beam: usize, aim: &Aim) -> Result<Vec<Point3<f64>>, SkillError> {
         let sleeves = cell.belief.sleeves(beam);
         let loose = sleeves.filter(|it| aim.loose.contains(&cell.assembly.beams[it.beam].beam.name));
