@@ -4,8 +4,8 @@ use ramp_robot::{Cause, EventKind, Fault, Track};
 use ramp_testing::GoalFiles;
 use ramp_twin::World;
 
-/// The fingers close 5 mm beside the slots of b5, with the blocks over their ribs on its sides. They come
-/// down on it from above once, and hold it: no grasp is tried in vain.
+/// The fingers close beside the slots of b5, with their ribs on its sides. They come down on it from above
+/// once, and hold it: no grasp is tried in vain.
 #[test]
 fn fingers_beside_the_slots_find_them_on_a_compliant_arm() {
     let result = GoalFiles::new("easy-1").run_in(World::shipped("hard").unwrap(), Track::State, 90);

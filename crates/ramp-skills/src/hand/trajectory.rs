@@ -98,7 +98,7 @@ impl Hand<'_> {
             self.guard()?;
             if stop(self) {
                 self.relax();
-                // Whoever waits now repeats a command that yields, and not one of a joint in motion.
+                // A wait repeats the last command: one that yields, and not one of a joint in motion.
                 self.tick()?;
                 return Ok(true);
             }
