@@ -202,6 +202,12 @@ impl Beam {
         joints(self) == joints(other) && links(self) == links(other) && flipped(self) == flipped(other)
     }
 
+    /// Whether it has the joints of another beam in the same places, whatever the sides to which these open.
+    pub fn has_joints_of(&self, other: &Beam) -> bool {
+        let joints = |beam: &Beam| beam.joints.iter().map(|it| (it.kind, it.offset)).collect::<Vec<_>>();
+        joints(self) == joints(other)
+    }
+
     /// The index of the joint of that name.
     pub fn joint_index(&self, name: &str) -> Option<usize> {
         self.joints.iter().position(|joint| joint.name == name)

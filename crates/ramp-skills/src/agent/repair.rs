@@ -3,7 +3,7 @@
 //!
 //! The agent is not told what is wrong: it compares what it sees with the goal before its first plan.
 
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 use ramp_assembly::Assembly;
 use ramp_kit::Beam;
 use ramp_kit::source::{MAX_SENTENCE, plain};
@@ -13,6 +13,7 @@ use ramp_robot::{EventKind, RobotError};
 
 use super::Baseline;
 use super::take_apart::{is_deep, stands};
+use crate::belief::{beside, is_clearly_better};
 use crate::cell::Workcell;
 use crate::fault::SkillError;
 use crate::hand::Hand;
@@ -25,19 +26,13 @@ pub fn swapped_beams(cell: &Workcell) -> Vec<Swap> {
     let assembly = cell.assembly;
     let mut found = Vec::new();
     for (index, placed) in assembly.beams.iter().enumerate().filter(|(index, _)| *index != assembly.base) {
-        let others = cell.kit.beams.iter().filter(|other| has_joints_of(other, &placed.beam));
+        let others = cell.kit.beams.iter().filter(|other| other.has_joints_of(&placed.beam));
         let other = others.filter(|other| other.name != placed.beam.name).find(|other| {
             other.name != assembly.beams[assembly.base].beam.name && is_in_place(cell, index, &other.name)
         });
         found.extend(other.map(|other| (index, other.name.clone())));
     }
     found
-}
-
-/// Whether two beams have the same joints in the same places, whatever the sides to which these open.
-fn has_joints_of(beam: &Beam, other: &Beam) -> bool {
-    let joints = |beam: &Beam| beam.joints.iter().map(|it| (it.kind, it.offset)).collect::<Vec<_>>();
-    joints(beam) == joints(other)
 }
 
 /// Whether anything lies elsewhere than on the sheet: a beam of the kit away from all outlines of its shape,
@@ -62,6 +57,71 @@ pub fn look_at_frame(cell: &mut Workcell) -> Result<(), RobotError> {
         if cell.belief.parts.pose(part).is_ok() && !cell.is_on_sheet(part) {
             let seen = cell.see_to_grip(part);
             note_fault(cell, seen)?;
+        }
+    }
+    Ok(())
+}
+
+/// Without tags, beams with the same joints in the same places look nearly alike: each that stands in the
+/// frame is compared from near with those that may stand there in its stead, and called by the name of the
+/// one that the images show.
+///
+/// # Errors
+/// The robot's.
+fn tell_apart(cell: &mut Workcell) -> Result<(), RobotError> {
+    let eyes = &cell.belief.parts.eyes;
+    if eyes.tags() || !eyes.images() {
+        return Ok(());
+    }
+    let clamped = &cell.assembly.beams[cell.assembly.base].beam.name;
+    let (kit, mut compared) = (cell.kit, Vec::new());
+    for beam in kit.beams.iter().filter(|beam| beam.name != *clamped) {
+        for other in kit.beams.iter().filter(|other| other.name != *clamped && other.name != beam.name) {
+            let nearly = other.has_joints_of(beam) && !other.has_shape_of(beam);
+            let stands =
+                |cell: &Workcell, name: &str| cell.belief.parts.pose(name).is_ok() && !cell.is_on_sheet(name);
+            let missing = cell.belief.parts.pose(&other.name).is_err();
+            let pair = [&beam.name, &other.name];
+            if !nearly || !stands(cell, &beam.name) || compared.contains(&[pair[1], pair[0]]) {
+                continue;
+            }
+            if !missing && !stands(cell, &other.name) {
+                continue;
+            }
+            compared.push(pair);
+            let mut off = [0.0; 2];
+            let told = compare_in_place(cell, [&beam.name, &other.name], &mut off);
+            note_fault(cell, told)?;
+            if !missing {
+                let mut there = [0.0; 2];
+                let told = compare_in_place(cell, [&other.name, &beam.name], &mut there);
+                note_fault(cell, told)?;
+                off = [off[0] + there[0], off[1] + there[1]];
+            }
+            if is_clearly_better(off[1], off[0]) {
+                let text = format!("{} is seen where {} was believed to stand", other.name, beam.name);
+                cell.record(EventKind::Note { text });
+                cell.belief.parts.exchange([&beam.name, &other.name]);
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Looks at a beam from its sides, and adds to `off` how far off the images are from it and from another one
+/// in its place, until they tell.
+fn compare_in_place(cell: &mut Workcell, names: [&str; 2], off: &mut [f64; 2]) -> Result<(), SkillError> {
+    let Some(span) = cell.kit.beam(names[0]).map(Beam::span) else { return Ok(()) };
+    let x_wb = cell.belief.parts.pose(names[0])?;
+    let points = [0.5, 0.0, 1.0].map(|share| x_wb * Point3::new(share * span, 0.0, 0.0));
+    for point in beside(x_wb.rotation * Vector3::x(), points) {
+        cell.visit(&point)?;
+        cell.look_again(cell.parameters.clear.looks)?;
+        if let Some(more) = cell.belief.parts.compare(&mut cell.hand, names)? {
+            *off = [off[0] + more[0], off[1] + more[1]];
+        }
+        if is_clearly_better(off[0], off[1]) || is_clearly_better(off[1], off[0]) {
+            break;
         }
     }
     Ok(())
@@ -139,6 +199,7 @@ impl Baseline<'_> {
     ) -> Result<Vec<Swap>, RobotError> {
         if self.start.scatter.is_none() && begins_with_a_frame(cell) {
             look_at_frame(cell)?;
+            tell_apart(cell)?;
             let swaps = if self.swapped { Vec::new() } else { swapped_beams(cell) };
             if !swaps.is_empty() {
                 self.swapped = true;
@@ -182,9 +243,10 @@ impl Baseline<'_> {
             }
         };
         self.learn_paths(&mut cell, &built);
-        let seen = cell.belief.parts.update(&mut cell.hand);
-        note_fault(&mut cell, seen.map_err(SkillError::from))?;
+        let seen = cell.look_first();
+        note_fault(&mut cell, seen)?;
         look_at_frame(&mut cell)?;
+        tell_apart(&mut cell)?;
         take_over(&self.skills, &mut cell, &mut Vec::new())?;
         let whole = backwards(&built, &cell.belief.fastened());
         let others: Vec<&str> = swaps.iter().map(|(_, name)| name.as_str()).collect();

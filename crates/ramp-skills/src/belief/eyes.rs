@@ -258,6 +258,35 @@ impl Eyes {
         }
     }
 
+    /// Looks once with the camera on the hand: how far off its image is from the drawings with each of two
+    /// beams where the first is believed to be (grey levels, summed over pixels). `None` where the image does
+    /// not tell, and on tracks and with finders that do not draw.
+    ///
+    /// # Errors
+    /// The robot's.
+    pub fn compare(
+        &mut self,
+        hand: &mut Hand,
+        surroundings: &Surroundings,
+        names: [&str; 2],
+    ) -> Result<Option<[f64; 2]>, RobotError> {
+        if self.scene.is_none() {
+            return Ok(None);
+        }
+        let Some(index) = self.eyes.iter().position(|eye| eye.camera == Camera::Wrist) else {
+            return Ok(None);
+        };
+        if self.eyes[index].broken(&self.parameters) {
+            return Ok(None);
+        }
+        let image = match self.fresh(index, hand) {
+            Err(RobotError::CameraStopped { .. }) => return Ok(None),
+            image => image?,
+        };
+        let Some(reader) = &mut self.scene else { return Ok(None) };
+        Ok(reader.compare(&self.eyes[index], &image, surroundings, names).ok().flatten())
+    }
+
     /// A new image. Noise makes any two of them differ: a camera that repeats its last one, of a hand that
     /// may have gone on, is waited for.
     fn fresh(&mut self, index: usize, hand: &mut Hand) -> Result<Image, RobotError> {

@@ -3,6 +3,8 @@
 pub mod estimate;
 pub mod eye;
 pub mod eyes;
+mod in_frame;
+mod names;
 pub mod obstacles;
 pub mod outlines;
 pub mod own_finder;
@@ -16,3 +18,4 @@ pub mod surroundings;
 
 pub use own_finder::OwnFinder;
 pub use parts::Belief;
+pub use strewn::{beside, is_clearly_better};

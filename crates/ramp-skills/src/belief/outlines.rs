@@ -14,6 +14,8 @@ use crate::grasp::yaw_of;
 
 /// Standard deviation of a uniform distribution over its half width.
 const UNIFORM: f64 = 0.577_350_269_189_625_8;
+/// Holes that are nearer to one another are those of one connection, m.
+const HOLES_APART: f64 = 5.0e-3;
 
 /// Deviation of a part from the outline on which it lies, 1 σ: its position along the table, m, and its turn
 /// about the vertical, rad.
@@ -92,17 +94,34 @@ pub fn holders_anywhere(kit: &Kit, found: impl Fn(&str) -> Option<Pose>) -> Vec<
     kit.holders.iter().filter_map(|holder| Some((holder.name.clone(), of_pegs(holder)?))).collect()
 }
 
-/// The places of each part in the frame, in the world: any peg may be in any connection.
+/// The places of each part in the frame, in the world, its own first: a beam may stand in the place of
+/// another one with the same joints, and any peg in any hole, those of connections first.
 pub(super) fn in_frame(assembly: &Assembly) -> BTreeMap<String, Vec<Pose>> {
-    let x_wa = assembly.kit.x_wa();
-    let beams = assembly.beams.iter().map(|it| (it.beam.name.clone(), vec![x_wa * it.x_ab]));
-    let seat = |connection: &ramp_assembly::Connection| {
-        let hole = x_wa * assembly.p_a_hole(connection.female);
-        Pose::translation(hole.x, hole.y, hole.z + FEMALE_HEIGHT / 2.0)
+    let kit = &assembly.kit;
+    let x_wa = kit.x_wa();
+    let base = &assembly.beams[assembly.base].beam.name;
+    let placed = || assembly.beams.iter().filter(|it| it.beam.name != *base);
+    let of_beam = |beam: &Beam| {
+        let own = placed().filter(|it| it.beam.name == beam.name);
+        let others = placed().filter(|it| it.beam.name != beam.name && it.beam.has_joints_of(beam));
+        own.chain(others).map(|it| x_wa * it.x_ab).collect::<Vec<Pose>>()
     };
-    let seats: Vec<Pose> = assembly.connections.iter().map(seat).collect();
-    let pegs = assembly.kit.pegs.iter().map(|peg| (peg.name.clone(), seats.clone()));
-    beams.chain(pegs).collect()
+    let connected = assembly.connections.iter().map(|it| assembly.p_a_hole(it.female));
+    let all = assembly
+        .beams
+        .iter()
+        .flat_map(|it| (0..it.beam.joints.len()).map(|joint| it.x_ab * it.beam.p_b_hole(joint)));
+    let mut holes: Vec<Pose> = Vec::new();
+    for hole in connected.chain(all).map(|hole| x_wa * hole) {
+        let x = Pose::translation(hole.x, hole.y, hole.z + FEMALE_HEIGHT / 2.0);
+        let is_it = |other: &Pose| (other.translation.vector - x.translation.vector).norm() < HOLES_APART;
+        if !holes.iter().any(is_it) {
+            holes.push(x);
+        }
+    }
+    let beams = kit.beams.iter().map(|beam| (beam.name.clone(), of_beam(beam)));
+    let pegs = kit.pegs.iter().map(|peg| (peg.name.clone(), holes.clone()));
+    beams.chain(pegs).filter(|(_, places)| !places.is_empty()).collect()
 }
 
 #[cfg(test)]

@@ -33,6 +33,8 @@ pub struct Part {
     pub doubts: usize,
     /// The poses on the outlines on which it may lie at the start; none where it may lie anywhere.
     pub outlines: Vec<Pose>,
+    /// The belief before the part was seen.
+    pub prior: Estimate,
     /// Its pose when it was first known well, before anything touched it.
     pub found: Option<Pose>,
     /// Running mean of the innovations, each whitened by its covariance.

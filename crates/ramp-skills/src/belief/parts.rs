@@ -31,7 +31,7 @@ pub struct Belief {
     /// The pose estimator.
     pub eyes: Eyes,
     pub(super) parts: BTreeMap<String, Part>,
-    kit: Arc<Kit>,
+    pub(super) kit: Arc<Kit>,
     time: f64,
     /// Robot time after the last look, s.
     looked: Option<f64>,
@@ -43,7 +43,7 @@ pub struct Belief {
     /// Parts lie anywhere on the table at the start.
     pub(super) anywhere: bool,
     /// Places of the parts in the frame, in the world, by name.
-    places: BTreeMap<String, Vec<Pose>>,
+    pub(super) places: BTreeMap<String, Vec<Pose>>,
 }
 
 impl Belief {
@@ -70,6 +70,7 @@ impl Belief {
                 parts.insert(
                     name.to_string(),
                     Part {
+                        prior: estimate.clone(),
                         estimate,
                         frame,
                         seen: frame == Frame::Clamped,
@@ -139,7 +140,7 @@ impl Belief {
     }
 
     /// Everything that may be in the next image.
-    fn surroundings(&self, hand: &Hand) -> Surroundings {
+    pub(super) fn surroundings(&self, hand: &Hand) -> Surroundings {
         let lying = self.lying();
         let expected = |(name, part): (&String, &Part)| Expected {
             part: name.clone(),
@@ -203,6 +204,9 @@ impl Belief {
 
     /// Fuses a detection of one part. Returns true if the reading was rejected as an outlier.
     fn take(&mut self, sighting: &Sighting) -> bool {
+        if self.is_of_another(sighting) {
+            return false;
+        }
         let Some(part) = self.parts.get_mut(&sighting.part) else { return false };
         part.doubts = 0;
         let seen = match part.frame {

@@ -34,6 +34,11 @@ const BESIDE: f64 = 0.08;
 const CLEARLY: f64 = 0.4;
 const LEAST_OFF: f64 = 2.0e4;
 
+/// Whether images that are off from two shapes by these amounts show that the first is clearly better.
+pub fn is_clearly_better(off: f64, other: f64) -> bool {
+    off + other > LEAST_OFF && off < CLEARLY * (off + other)
+}
+
 /// Parts as they are believed to be, and poses of holders in the world, by name.
 pub type Named = (Vec<Believed>, Vec<(String, Pose)>);
 
@@ -69,10 +74,7 @@ impl Place {
 
     /// The shape that explains what was seen clearly better than each other one.
     fn told(&self) -> Option<&Shape> {
-        let beats = |a: usize, b: usize| {
-            let both = self.off[a][b] + self.off[b][a];
-            a == b || both > LEAST_OFF && self.off[a][b] < CLEARLY * both
-        };
+        let beats = |a: usize, b: usize| a == b || is_clearly_better(self.off[a][b], self.off[b][a]);
         let all = 0..self.shapes.len();
         let best = all.clone().find(|a| all.clone().all(|b| beats(*a, b)))?;
         self.shapes.get(best)
@@ -116,15 +118,7 @@ impl StrewnParts {
     /// Of each beam whose shape only looks from near can tell, the points to look at, m, in the world: beside
     /// its middle and beside its ends, so that a side of it shows, and then those on its other side.
     pub fn untold(&self) -> Vec<Vec<Point3<f64>>> {
-        let beside = |place: &Place| {
-            let x = place.direction();
-            let across = Vector3::new(-x.y, x.x, 0.0) * BESIDE;
-            let near =
-                (place.middle + across).xy().coords.norm() < (place.middle - across).xy().coords.norm();
-            let across = if near { across } else { -across };
-            let points = place.points();
-            points.map(|p| p + across).into_iter().chain(points.map(|p| p - across)).collect()
-        };
+        let beside = |place: &Place| beside(place.direction(), place.points());
         self.places.iter().filter(|place| place.told().is_none()).map(beside).collect()
     }
 
@@ -342,6 +336,16 @@ impl StrewnParts {
             self.heads.retain(|_| !index.next().is_some_and(|index| used.contains(&index)));
         }
     }
+}
+
+/// The points from which the camera on the hand sees a beam from its sides, given the direction of its axis,
+/// its middle and its ends, m, in the world: first those on the side of the arm.
+pub fn beside(direction: Vector3<f64>, points: [Point3<f64>; 3]) -> Vec<Point3<f64>> {
+    let across = Vector3::new(-direction.y, direction.x, 0.0) * BESIDE;
+    let [middle, ..] = points;
+    let near = (middle + across).xy().coords.norm() < (middle - across).xy().coords.norm();
+    let across = if near { across } else { -across };
+    points.map(|p| p + across).into_iter().chain(points.map(|p| p - across)).collect()
 }
 
 /// The middle of a beam, m, in the world.

@@ -3,15 +3,16 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::{Matrix6, Point3, Vector3};
+use nalgebra::{Matrix6, Point3};
 use ramp_kit::Kit;
 use ramp_robot::arm::ArmModel;
 use ramp_robot::{Camera, CameraModel, Image};
 use ramp_vision::Lying;
 use ramp_vision::untagged::{Believed, Found, Scene, SceneFinder, Trace};
 
-use super::estimate::{Estimate, covariance};
+use super::estimate::Estimate;
 use super::eye::{Eye, Sighting};
+use super::in_frame;
 use super::repeats::Repeats;
 use super::strewn::{StrewnParts, View};
 use crate::Pose;
@@ -19,11 +20,6 @@ use crate::parameters::belief::EyesParameters;
 
 /// Standard deviations of the camera's place within which a part is looked for.
 const SIGMAS: f64 = 2.5;
-/// How far from its place in the frame a part may stand there, m, and how much it may be turned, rad. Chosen:
-/// as far as the baseline takes a beam for standing.
-const STANDING: f64 = 8.0e-3;
-const STANDING_TURN: f64 = 0.01;
-
 /// The belief about a part before an image is read.
 #[derive(Clone, Debug)]
 pub struct Expected {
@@ -55,9 +51,12 @@ pub struct Surroundings {
 impl Surroundings {
     /// The same parts, with those that may stand in the frame already, and are `meant`, in their places.
     fn framed(&self, parts: &[Believed], meant: impl Fn(&Believed) -> bool) -> Vec<Believed> {
-        let place = |part: &Believed| {
-            let expected = self.parts.iter().find(|it| it.part == part.part)?;
-            expected.places.first().filter(|_| meant(part)).copied()
+        let mut taken: Vec<Pose> = Vec::new();
+        let mut place = |part: &Believed| {
+            let expected = self.parts.iter().find(|it| it.part == part.part).filter(|_| meant(part))?;
+            let place = expected.places.iter().find(|place| !taken.contains(place)).copied()?;
+            taken.push(place);
+            Some(place)
         };
         let moved = |part: &Believed| Believed { x_wp: place(part).unwrap_or(part.x_wp), ..part.clone() };
         parts.iter().map(moved).collect()
@@ -68,6 +67,12 @@ impl Surroundings {
     fn factor(&self, repeats: &mut Repeats, part: &str, x_cp: &Pose, parameters: &EyesParameters) -> f64 {
         let held = self.parts.iter().any(|it| it.held && it.part == part);
         if held { parameters.common } else { repeats.factor(part, x_cp, parameters) }
+    }
+
+    /// Names of the parts that were seen before, and their poses in the world.
+    fn seen(&self) -> impl Iterator<Item = (&str, Pose)> {
+        let seen = self.parts.iter().filter(|it| it.places.is_empty() && !it.held);
+        seen.map(|it| (it.part.as_str(), it.estimate.x))
     }
 
     /// The parts in the world, at the tip's pose of an image.
@@ -86,6 +91,7 @@ pub struct SceneReader {
     finder: SceneFinder,
     /// Name and pose of the beam that is clamped.
     base: (String, Pose),
+    kit: Kit,
     /// Names of the pegs.
     pegs: Vec<String>,
     /// Parts that were never seen, where they may lie anywhere.
@@ -105,6 +111,7 @@ impl SceneReader {
         Ok(SceneReader {
             finder,
             base: base.clone(),
+            kit: kit.clone(),
             pegs,
             strewn: StrewnParts::new(kit),
             missed: BTreeMap::new(),
@@ -132,6 +139,11 @@ impl SceneReader {
         let all = surroundings.at(&image.x_wt).into_iter().zip(&surroundings.parts);
         let (unseen, known): (Vec<_>, Vec<_>) = all.partition(|(_, part)| part.anywhere);
         let mut parts: Vec<Believed> = known.into_iter().map(|(part, _)| part).collect();
+        if eye.camera == Camera::BirdsEye {
+            for part in surroundings.parts.iter().filter(|it| !it.places.is_empty()) {
+                *self.missed.entry(part.part.clone()).or_default() += 1;
+            }
+        }
         let model = self.calibrate(eye, nominal, image, surroundings, &mut parts, parameters)?;
         let x_wc = model.x_wc(&image.x_wt);
         if eye.points() == 0 {
@@ -162,21 +174,16 @@ impl SceneReader {
         };
         let mut sightings: Vec<Sighting> = seen.found.into_iter().map(sighting).collect();
         eye.repeats = repeats;
-        if eye.camera == Camera::BirdsEye {
-            for part in surroundings.parts.iter().filter(|it| !it.places.is_empty()) {
-                *self.missed.entry(part.part.clone()).or_default() += 1;
-            }
-        }
         let is_unseen = |part: &&Expected| {
             !part.places.is_empty() && self.missed.get(&part.part).is_some_and(|it| *it >= parameters.mislaid)
         };
         let mislaid: Vec<&Expected> = surroundings.parts.iter().filter(is_unseen).collect();
         let is_lost = |part: &&Believed| {
-            part.part != base
-                && !part.held
-                && (mislaid.iter().any(|it| it.part == part.part)
-                    || part.covariance[(0, 0)].max(part.covariance[(1, 1)]).sqrt() > parameters.lost)
-                && sightings.iter().all(|seen| seen.part != part.part)
+            let unknown = || part.covariance[(0, 0)].max(part.covariance[(1, 1)]).sqrt() > parameters.lost;
+            let never_seen =
+                surroundings.parts.iter().any(|it| it.part == part.part && !it.places.is_empty());
+            let lost = if never_seen { mislaid.iter().any(|it| it.part == part.part) } else { unknown() };
+            lost && part.part != base && !part.held && sightings.iter().all(|seen| seen.part != part.part)
         };
         // One of each kind: two cannot be told apart.
         let (pegs, beams): (Vec<_>, Vec<_>) =
@@ -185,17 +192,12 @@ impl SceneReader {
         // A beam may be hidden by another one that stands on it, and is hypothetical as well.
         let framed = surroundings.framed(&parts, |part| is_lost(&part) && !self.pegs.contains(&part.part));
         let frame = Scene { parts: &framed, ..scene };
-        for part in parts.iter().filter(is_lost) {
-            let expected = mislaid.iter().find(|it| it.part == part.part);
-            for place in expected.iter().flat_map(|it| &it.places) {
-                let is_free = |(_, other): &(String, Estimate)| far(&other.x, place) > STANDING;
-                if found.iter().all(is_free) {
-                    let mut view = View { finder: &mut self.finder, image, camera: &model };
-                    found.extend(standing(&mut view, &frame, part, place)?);
-                }
-            }
-        }
         let mut view = View { finder: &mut self.finder, image, camera: &model };
+        let unseen = parts.iter().filter(is_lost).filter_map(|part| {
+            mislaid.iter().find(|it| it.part == part.part).map(|it| (part, &it.places[..]))
+        });
+        let there: Vec<(&str, Pose)> = surroundings.seen().collect();
+        found.extend(in_frame::find(&mut view, &frame, &self.kit, &unseen.collect::<Vec<_>>(), &there)?);
         if let Some(peg) = pegs.first() {
             found.extend(lost_peg(&mut view, &scene, peg, parameters)?);
         }
@@ -205,6 +207,27 @@ impl SceneReader {
         let sighting = |(part, seen)| eye.sighting(part, seen, &x_wc, image.x_wt);
         sightings.extend(found.into_iter().map(sighting));
         Ok((sightings, seen.absent))
+    }
+
+    /// How far off an image is from its drawings with each of two beams where the first is believed to be
+    /// (grey levels, summed over pixels); `None` where it supports neither.
+    ///
+    /// # Errors
+    /// The reason for which the image is of no use, as text.
+    pub fn compare(
+        &mut self,
+        eye: &Eye,
+        image: &Image,
+        surroundings: &Surroundings,
+        names: [&str; 2],
+    ) -> Result<Option<[f64; 2]>, String> {
+        let parts = surroundings.at(&image.x_wt);
+        let part = parts.iter().find(|it| it.part == names[0]);
+        let (Some(camera), Some(part)) = (&eye.model, part) else { return Ok(None) };
+        let scene = Scene { parts: &parts, holders: &surroundings.holders, width: surroundings.width };
+        let mut view = View { finder: &mut self.finder, image, camera };
+        let off = in_frame::compare(&mut view, &scene, &names, &part.x_wp)?;
+        Ok(off.map(|off| [off[0], off[1]]))
     }
 
     /// Finds the clamped beam, whose pose is known, and corrects the camera's pose by it until it was seen
@@ -230,10 +253,11 @@ impl SceneReader {
         }
         let wanted = |part: &Believed| part.part == *base;
         let slack = slack(&eye.covariance, &x_wc);
-        // Beams that may stand on it hide it, wherever they are.
+        // Beams and pegs that may stand on it hide it, wherever they are.
         let framed = surroundings.framed(parts, |part| !self.pegs.contains(&part.part));
+        let pinned = surroundings.framed(parts, |_| true);
         let mut found = None;
-        for parts in [&*parts, &framed] {
+        for parts in [&*parts, &framed, &pinned] {
             let scene = Scene { parts, holders: &surroundings.holders, width: surroundings.width };
             let seen = self.finder.find(image, &model, &scene, &wanted, slack);
             found = seen.map_err(|error| error.to_string())?.found.into_iter().next();
@@ -251,35 +275,6 @@ impl SceneReader {
             }
         }))
     }
-}
-
-/// A part that may stand in its place in the frame.
-fn standing(
-    view: &mut View,
-    scene: &Scene,
-    part: &Believed,
-    place: &Pose,
-) -> Result<Option<(String, Estimate)>, String> {
-    let flipped = (place.rotation * Vector3::z()).z < 0.0;
-    let (part, height) = (part.part.clone(), place.translation.z);
-    let there = Believed {
-        x_wp: *place,
-        covariance: covariance([STANDING / 2.0; 3], [STANDING_TURN; 3]),
-        lying: Some(Lying { part: part.clone(), height, flipped, sigma: Lying::SIGMA }),
-        part,
-        held: false,
-    };
-    let wanted = |it: &Believed| it.part == there.part;
-    let others = scene.parts.iter().filter(|it| !wanted(it)).cloned();
-    let parts: Vec<Believed> = others.chain([there.clone()]).collect();
-    let seen = view.finder.find(view.image, view.camera, &Scene { parts: &parts, ..*scene }, &wanted, 0.0);
-    let seen = seen.map_err(|error| error.to_string())?.found.into_iter().next();
-    Ok(seen.map(|part| (part.part, Estimate { x: part.x_wp, covariance: part.covariance })))
-}
-
-/// The distance between two places, m.
-fn far(a: &Pose, b: &Pose) -> f64 {
-    (a.translation.vector - b.translation.vector).norm()
 }
 
 /// A lost peg, or where something of its colour is.

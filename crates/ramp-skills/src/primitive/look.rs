@@ -147,11 +147,44 @@ impl Workcell<'_, '_> {
             let beams = self.assembly.beams.iter().map(|placed| &placed.beam.name);
             let pegs = self.kit.pegs.iter().map(|peg| &peg.name);
             if !beams.chain(pegs).any(is_unseen) {
-                break;
+                return Ok(());
             }
             self.look_once()?;
         }
+        self.look_in_frame()
+    }
+
+    /// Brings the camera on the hand over the places in the frame of the parts that were not seen: beams of
+    /// the goal first, then pegs in the connections if a beam stands there.
+    fn look_in_frame(&mut self) -> Result<(), SkillError> {
+        let mut visited = Vec::new();
+        for pegs in [false, true] {
+            while let Some(next) = self.place_of_unseen(pegs, &visited) {
+                self.visit(&next)?;
+                self.look_again(self.parameters.clear.looks)?;
+                visited.push(next);
+            }
+        }
         Ok(())
+    }
+
+    /// A place in the frame that was not visited, of a beam or a peg that was not seen, m, in the world.
+    fn place_of_unseen(&self, pegs: bool, visited: &[Point3<f64>]) -> Option<Point3<f64>> {
+        let clamped = &self.assembly.beams[self.assembly.base].beam.name;
+        let beams = || self.assembly.beams.iter().map(|placed| &placed.beam.name);
+        let stands = |beam: &String| {
+            beam != clamped && self.belief.parts.pose(beam).is_ok() && !self.is_on_sheet(beam)
+        };
+        if pegs && !beams().any(stands) {
+            return None;
+        }
+        let is_meant =
+            |part: &str| if pegs { self.kit.peg(part).is_some() } else { beams().any(|it| it == part) };
+        let most = if pegs { self.assembly.connections.len() } else { 1 };
+        let unseen = self.belief.parts.unseen_places().filter(|(part, _)| is_meant(part));
+        let mut places = unseen.flat_map(|(_, places)| places.into_iter().take(most));
+        let near = self.parameters.clear.visited;
+        places.find(|p| visited.iter().all(|other| (other - p).norm() > near))
     }
 
     /// Shows the camera on the empty hand the tag of the sheet, or where that is not read the clamped beam,

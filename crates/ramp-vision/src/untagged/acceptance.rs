@@ -21,10 +21,13 @@ const MOST_LINES: f64 = 0.4;
 /// added to its place along itself otherwise, m.
 const ALONG: (usize, f64) = (8, 0.5);
 const ALONG_OPEN: f64 = 2.0e-3;
-/// Middles of two parts of one size (radii of their balls, m) are further apart than this, m.
+/// Two small parts whose middles are nearer than this are in one place, and two long ones whose axes are, m.
 const ONE_PLACE: f64 = 10.0e-3;
-/// See [`ONE_PLACE`].
-const ALIKE: f32 = 5.0e-3;
+const ONE_AXIS: f64 = 12.0e-3;
+/// Shorter parts are small, m.
+const SMALL: f64 = 60.0e-3;
+/// Least cosine of the angle between axes in one place.
+const PARALLEL: f64 = 0.97;
 /// Error of the faces of a part (1 σ), m: all that is seen of it may be off by this against its drawing. So
 /// its place is, its turn by this over its extent, and its distance as a size that is off by it makes it.
 const FACES: f64 = 0.07e-3;
@@ -111,13 +114,36 @@ pub fn accept(x_wc: &Pose, part: &Believed, work: &Work) -> Option<Found> {
     })
 }
 
+/// Whether two parts, each by the ends of its axis, would be in one place: two small ones side by side, or
+/// two long ones along one another for more than half of the shorter.
+pub fn is_one_place(a: [Point3<f64>; 2], b: [Point3<f64>; 2]) -> bool {
+    let [along, other] = [a, b].map(|[from, to]| to - from);
+    let middles = nalgebra::center(&a[0], &a[1]) - nalgebra::center(&b[0], &b[1]);
+    match (along.norm() < SMALL, other.norm() < SMALL) {
+        (true, true) => middles.norm() < ONE_PLACE,
+        (false, false) => {
+            let axis = along.normalize();
+            let share = b.map(|end| (end - a[0]).dot(&axis));
+            let beside = b.map(|end| ((end - a[0]) - axis * (end - a[0]).dot(&axis)).norm());
+            let common = share[0].max(share[1]).min(along.norm()) - share[0].min(share[1]).max(0.0);
+            axis.dot(&other.normalize()).abs() > PARALLEL
+                && beside.iter().all(|off| *off < ONE_AXIS)
+                && common > 0.5 * along.norm().min(other.norm())
+        }
+        _ => false,
+    }
+}
+
 /// Of parts that were found in one place, only the one that moved least from where it was believed is
 /// there: another was taken for its neighbour.
 pub fn apart(found: Vec<Found>, parts: &[Believed], surfaces: &BTreeMap<String, Surface>) -> Vec<Found> {
-    let surface = |part: &str| surfaces.get(part);
+    let ends = |part: &str, x: &Pose| {
+        let ([x_m, y, z], radius) = surfaces.get(part).map_or(([0.0; 3], 0.0), |surface| surface.ball);
+        [x_m - radius, x_m + radius].map(|x_m| x * Point3::new(f64::from(x_m), f64::from(y), f64::from(z)))
+    };
     let middle = |part: &str, x: &Pose| {
-        let ([x_m, y, z], _) = surface(part).map_or(([0.0; 3], 0.0), |surface| surface.ball);
-        x * Point3::new(f64::from(x_m), f64::from(y), f64::from(z))
+        let [from, to] = ends(part, x);
+        nalgebra::center(&from, &to)
     };
     let moved: Vec<f64> = found
         .iter()
@@ -128,13 +154,10 @@ pub fn apart(found: Vec<Found>, parts: &[Believed], surfaces: &BTreeMap<String, 
         })
         .collect();
     let is_alone = |index: usize| {
-        let part = &found[index];
-        let radius = surface(&part.part).map_or(0.0, |surface| surface.ball.1);
+        let own = ends(&found[index].part, &found[index].x_wp);
         (0..found.len()).all(|other| {
             let it = &found[other];
-            let alike = surface(&it.part).is_some_and(|other| (other.ball.1 - radius).abs() < ALIKE);
-            let near = (middle(&it.part, &it.x_wp) - middle(&part.part, &part.x_wp)).norm() < ONE_PLACE;
-            other == index || !alike || !near || moved[other] > moved[index]
+            other == index || moved[other] > moved[index] || !is_one_place(own, ends(&it.part, &it.x_wp))
         })
     };
     let alone: Vec<bool> = (0..found.len()).map(is_alone).collect();
@@ -169,4 +192,24 @@ fn model_error(work: &Work, fitted: &Fitted) -> Matrix6<f64> {
     let mut slope = Matrix6::identity();
     slope.fixed_view_mut::<3, 3>(0, 3).copy_from(&(-lever.cross_matrix()));
     slope * covariance * slope.transpose()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_along_one_another_are_in_one_place() {
+        let beam = |y: f64, from: f64, to: f64| [from, to].map(|x| Point3::new(x, y, 0.0166));
+        assert!(is_one_place(beam(0.0, 0.0, 0.3), beam(0.005, 0.45, -0.1)));
+        // Side by side on the sheet, in line with a joint in common, and across one another in a joint.
+        assert!(!is_one_place(beam(0.0, 0.0, 0.3), beam(0.04, 0.0, 0.3)));
+        assert!(!is_one_place(beam(0.0, 0.0, 0.3), beam(0.0, 0.28, 0.6)));
+        assert!(!is_one_place(beam(0.0, 0.0, 0.3), [-0.2, 0.2].map(|y| Point3::new(0.15, y, 0.0166))));
+        // Pegs, and a peg in a beam.
+        let peg = |x: f64| [Point3::new(x, 0.0, 0.03); 2];
+        assert!(is_one_place(peg(0.0), peg(0.008)));
+        assert!(!is_one_place(peg(0.0), peg(0.026)));
+        assert!(!is_one_place(peg(0.1), beam(0.0, 0.0, 0.3)));
+    }
 }

@@ -28,6 +28,7 @@ pub mod scene;
 pub mod search;
 pub mod solids;
 
+pub use acceptance::is_one_place;
 pub use anywhere::{Comparison, Strewn, strewn_covariance};
 pub use finder::SceneFinder;
 pub use lost::Trace;
