@@ -78,11 +78,24 @@ impl Workcell<'_, '_> {
             self.record(retry.because(because));
             self.hand.relax();
             // A rib that has left its slot meets the beam on the way back: then the hand is free to retreat.
-            let back = self.hand.drive(&low, self.parameters.release.back_speed, |hand| {
-                -hand.force().z > self.parameters.release.beside_limit
-            });
-            // A hand that hangs may meet more than it yields to, and is free afterwards.
-            if !yielded(back)? {
+            let mut back = |low: &Pose| {
+                self.hand.drive(low, self.parameters.release.back_speed, |hand| {
+                    -hand.force().z > self.parameters.release.beside_limit
+                })
+            };
+            // A hand that hangs may meet more than it yields to as it begins to go back.
+            let met = match back(&low) {
+                Err(SkillError::Fault(Fault::Overload { .. })) => yielded(back(&low))?,
+                met => met?,
+            };
+            if met {
+                self.hand.relax();
+                if !last && self.lift_off(&[slow, fast], limit, hanging)? {
+                    self.belief.parts.update(&mut self.hand)?;
+                    break;
+                }
+                self.hand.relax();
+            } else {
                 self.hand.go(&here, self.parameters.release.back_speed)?;
                 self.centre_ribs(free, self.kit.beam(&held.part).map_or(0.0, |beam| beam.mass()))?;
             }
