@@ -25,7 +25,7 @@ const ALONG_OPEN: f64 = 2.0e-3;
 const ONE_PLACE: f64 = 10.0e-3;
 const ONE_AXIS: f64 = 12.0e-3;
 /// Shorter parts are small, m.
-const SMALL: f64 = 60.0e-3;
+const SMALL: f64 = 0.1;
 /// Least cosine of the angle between axes in one place.
 const PARALLEL: f64 = 0.97;
 /// Error of the faces of a part (1 σ), m: all that is seen of it may be off by this against its drawing. So
