@@ -1,24 +1,35 @@
 //! The survey of a finished frame: the wrist camera visits every connection, and all that it sees of a part
 //! becomes one estimate of the part's pose. It measures what stands, for a referee, and changes nothing.
+//! Without tags each part is looked for where the goal has it, up to some millimetres off.
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 use ramp_assembly::Assembly;
+use ramp_kit::joint::FEMALE_HEIGHT;
 use ramp_motion::PathPlanner;
 use ramp_robot::arm::ArmModel;
 use ramp_robot::{Robot, RobotError, Track};
+use ramp_vision::Lying;
 use ramp_world::Start;
 
 use crate::Pose;
-use crate::belief::estimate::Estimate;
-use crate::belief::surroundings::Surroundings;
+use crate::belief::estimate::{Estimate, covariance};
+use crate::belief::surroundings::{Expected, Surroundings};
 use crate::cell::Workcell;
 use crate::fault::SkillError;
 use crate::parameters::Parameters;
 
 /// Images of each camera that are taken over each point.
 const LOOKS: usize = 3;
+/// How far a part without a tag may be from its place in the goal to be found, and the clamped beam, 1 σ, m;
+/// and the distance over which a turn makes as much of a difference, m. Chosen: a peg that is off by more
+/// would not count.
+const OFF: f64 = 3.0e-3;
+const CLAMPED: f64 = 0.1e-3;
+const LEVER: f64 = 0.2;
+/// What is found farther from its place is something else, m.
+const FAR: f64 = 12.0e-3;
 
 /// Measures the poses (in the world) of the parts that stand, by name, with the hand empty. A part that was
 /// not seen is absent. On a track that gives poses, these are read.
@@ -68,6 +79,37 @@ fn visit_all(cell: &mut Workcell, seen: &mut BTreeMap<String, Estimate>) -> Resu
     Ok(())
 }
 
+/// The built goal, as far as it has to be known to find its parts. Tags say themselves which part is where.
+fn expected(cell: &Workcell) -> Surroundings {
+    if cell.belief.parts.eyes.tags() {
+        return Surroundings::default();
+    }
+    let (assembly, x_wa) = (cell.assembly, cell.belief.x_wa());
+    let lying = |part: &str, x: &Pose| Lying {
+        part: part.to_string(),
+        height: x.translation.z,
+        flipped: (x.rotation * Vector3::z()).z < 0.0,
+        sigma: [OFF, OFF / LEVER],
+    };
+    let part = |part: &str, x: Pose, off: f64| Expected {
+        part: part.to_string(),
+        estimate: Estimate { x, covariance: covariance([off; 3], [off / LEVER; 3]) },
+        held: false,
+        lying: Some(lying(part, &x)),
+        anywhere: false,
+        places: Vec::new(),
+        glimpsed: None,
+    };
+    let beams = assembly.beams.iter().enumerate().map(|(index, placed)| {
+        part(&placed.beam.name, x_wa * placed.x_ab, if index == assembly.base { CLAMPED } else { OFF })
+    });
+    let pegs = assembly.connections.iter().zip(assembly.built_with()).map(|(connection, peg)| {
+        let hole = x_wa * assembly.p_a_hole(connection.female);
+        part(peg, Pose::translation(hole.x, hole.y, hole.z + FEMALE_HEIGHT / 2.0), OFF)
+    });
+    Surroundings { parts: beams.chain(pegs).collect(), holders: Vec::new(), width: cell.hand.seen.width }
+}
+
 /// Brings the wrist camera over a point of the world, and takes images there.
 fn look_at(
     cell: &mut Workcell,
@@ -79,7 +121,13 @@ fn look_at(
         cell.hand.expose()?;
     }
     for _ in 0..LOOKS {
-        for sighting in cell.belief.parts.eyes.look(&mut cell.hand, &Surroundings::default())? {
+        let surroundings = expected(cell);
+        for sighting in cell.belief.parts.eyes.look(&mut cell.hand, &surroundings)? {
+            let goal = surroundings.parts.iter().find(|it| it.part == sighting.part);
+            let off = |x: &Pose| (sighting.estimate.x.translation.vector - x.translation.vector).norm();
+            if goal.is_some_and(|it| off(&it.estimate.x) > FAR) {
+                continue;
+            }
             match seen.get_mut(&sighting.part) {
                 Some(estimate) => estimate.fuse(&sighting.estimate),
                 None => {

@@ -1,10 +1,14 @@
 //! Episodes that begin in a given state.
 
 use ramp_episode::{GivenError, check_given, replay};
+use std::collections::BTreeMap;
+
+use ramp_kit::Holder;
 use ramp_kit::Pose;
 use ramp_kit::source::SourceFile;
 use ramp_log::Log;
 use ramp_robot::Track;
+use ramp_skills::survey;
 use ramp_testing::GoalFiles;
 use ramp_testing::episode::Swing;
 use ramp_twin::{GivenState, Setup, Start, Twin, World};
@@ -215,4 +219,31 @@ fn told_without_tags(goal: &GoalFiles, state: &GivenState, track: Track) -> Stri
     let result = goal.run_setup(&setup);
     assert_eq!(result.completion, 1.0, "{:?}", result.events);
     result.events.iter().map(|event| event.kind.to_string() + "\n").collect()
+}
+
+/// What stands is measured from images on every track that gives them, with tags and without. A peg that is
+/// missing is not seen.
+#[test]
+fn a_built_frame_is_surveyed() {
+    let goal = GoalFiles::new("easy-1");
+    let missing = goal.assembly.built_with()[1].to_string();
+    let state = spoilt(&goal, |poses| {
+        poses.remove(&missing);
+    });
+    let world = World::shipped("real").unwrap();
+    for track in [Track::Tags, Track::Colour, Track::Depth] {
+        let setup = Setup { state: Some(&state), world, ..goal.setup(track, 3) };
+        let mut twin = Twin::new(&setup).unwrap();
+        let seen = survey(&goal.assembly, &goal.arm, track, &mut twin, 3).unwrap();
+        let names: Vec<String> = twin.part_names().map(str::to_string).collect();
+        let truth: BTreeMap<String, Pose> = names.into_iter().zip(twin.truth().x_wp).collect();
+        let stand = |part: &&str| **part != missing;
+        for part in goal.assembly.movable_parts().into_iter().filter(stand) {
+            let x = seen.get(part).unwrap_or_else(|| panic!("{track:?}: {part} was not seen"));
+            let off = (x.translation.vector - truth[part].translation.vector).norm();
+            assert!(off < 1.2e-3, "{track:?}: {part} is {:.2} mm off", off * 1e3);
+        }
+        let there = seen.get(&missing).map(|x| x.translation.vector.z);
+        assert!(there.is_none_or(|z| z > Holder::HEIGHT - 0.01), "{track:?}: {missing} seen at {there:?}");
+    }
 }

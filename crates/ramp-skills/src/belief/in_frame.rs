@@ -20,8 +20,18 @@ const TURN: f64 = 0.01;
 /// Parts of one kind that are nearer to one another are one, m.
 const ONE: f64 = 8.0e-3;
 
-/// Finds those of the `unseen` parts, each with its places in the frame, that stand in one of them. Where
-/// another part was seen (`there`), none is looked for.
+/// A part that was never seen.
+pub struct Unseen<'u> {
+    /// The belief.
+    pub part: &'u Believed,
+    /// Its places in the frame, in the world.
+    pub places: &'u [Pose],
+    /// Its pose in the world by a single look that has yet to be confirmed.
+    pub glimpsed: Option<Pose>,
+}
+
+/// Finds those of the `unseen` parts that stand in one of their places in the frame. Where another part was
+/// seen (`there`), none is looked for.
 ///
 /// # Errors
 /// The reason for which the image is of no use, as text.
@@ -29,11 +39,11 @@ pub fn find(
     view: &mut View,
     scene: &Scene,
     kit: &Kit,
-    unseen: &[(&Believed, &[Pose])],
+    unseen: &[Unseen],
     there: &[(&str, Pose)],
 ) -> Result<Vec<(String, Estimate)>, String> {
     let mut places: Vec<Pose> = Vec::new();
-    for place in unseen.iter().flat_map(|(_, places)| *places) {
+    for place in unseen.iter().flat_map(|it| it.places) {
         if !places.contains(place) {
             places.push(*place);
         }
@@ -41,24 +51,29 @@ pub fn find(
     let mut found: Vec<(String, Estimate)> = Vec::new();
     for place in &places {
         let is_new = |part: &str| found.iter().all(|(other, _)| other != part);
-        let is_for = |(part, own): &&(&Believed, &[Pose])| own.contains(place) && is_new(&part.part);
-        let Some((first, _)) = unseen.iter().find(is_for) else { continue };
+        let is_meant = |it: &&Unseen| it.places.contains(place) && is_new(&it.part.part);
+        let mut meant: Vec<&Unseen> = unseen.iter().filter(is_meant).collect();
+        let Some(Unseen { part: first, .. }) = meant.first() else { continue };
         let here = middle(kit, &first.part, place);
+        let is_peg = kit.peg(&first.part).is_some();
         let is_here = |part: &str, x: &Pose| {
-            let alike = kit.peg(part).is_some() == kit.peg(&first.part).is_some();
-            alike && (middle(kit, part, x) - here).norm() < ONE
+            kit.peg(part).is_some() == is_peg && (middle(kit, part, x) - here).norm() < ONE
         };
         if there.iter().any(|(part, x)| is_here(part, x)) {
             continue;
         }
+        if is_peg {
+            // All pegs look the same: one is enough, which is the one that was glimpsed here, or nowhere.
+            meant.sort_by_key(|it| match &it.glimpsed {
+                Some(x) if is_here(&it.part.part, x) => 0,
+                None => 1,
+                Some(_) => 2,
+            });
+            meant.truncate(1);
+        }
         let mut fits: Vec<(String, Estimate)> = Vec::new();
-        for (part, _) in unseen.iter().filter(is_for) {
-            let is_peg = kit.peg(&part.part).is_some();
-            fits.extend(standing(view, scene, part, place, if is_peg { PEG } else { BEAM })?);
-            // All pegs look the same.
-            if is_peg {
-                break;
-            }
+        for it in meant {
+            fits.extend(standing(view, scene, it.part, place, if is_peg { PEG } else { BEAM })?);
         }
         found.extend(best(view, scene, fits)?);
     }

@@ -154,6 +154,7 @@ impl Belief {
                 .filter(|_| !part.seen && !self.anywhere)
                 .cloned()
                 .unwrap_or_default(),
+            glimpsed: part.odd.as_ref().filter(|_| !part.seen).map(|odd| odd.x),
         };
         let parts = self.parts.iter().map(expected).collect();
         Surroundings { parts, holders: self.holders(&self.kit), width: hand.seen.width }

@@ -12,7 +12,7 @@ use ramp_vision::untagged::{Believed, Found, Scene, SceneFinder, Trace};
 
 use super::estimate::Estimate;
 use super::eye::{Eye, Sighting};
-use super::in_frame;
+use super::in_frame::{self, Unseen};
 use super::repeats::Repeats;
 use super::strewn::{StrewnParts, View};
 use crate::Pose;
@@ -35,6 +35,8 @@ pub struct Expected {
     pub anywhere: bool,
     /// Its places in the frame, in the world, if it was never seen: it may stand there already.
     pub places: Vec<Pose>,
+    /// Its pose in the world by a single look that has yet to be confirmed, if it was never seen.
+    pub glimpsed: Option<Pose>,
 }
 
 /// Everything that may be in an image.
@@ -194,7 +196,8 @@ impl SceneReader {
         let frame = Scene { parts: &framed, ..scene };
         let mut view = View { finder: &mut self.finder, image, camera: &model };
         let unseen = parts.iter().filter(is_lost).filter_map(|part| {
-            mislaid.iter().find(|it| it.part == part.part).map(|it| (part, &it.places[..]))
+            let expected = mislaid.iter().find(|it| it.part == part.part)?;
+            Some(Unseen { part, places: &expected.places, glimpsed: expected.glimpsed })
         });
         let there: Vec<(&str, Pose)> = surroundings.seen().collect();
         found.extend(in_frame::find(&mut view, &frame, &self.kit, &unseen.collect::<Vec<_>>(), &there)?);

@@ -4,6 +4,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod anywhere;
+mod places;
 mod regions;
 mod round_trip;
 mod untagged;
