@@ -2,6 +2,7 @@
 //! updated belief. `plans` makes its plans, `repair` sets right what stands wrong before the first one, and
 //! `take_apart` takes a frame apart.
 
+mod apart;
 mod plans;
 mod repair;
 mod take_apart;

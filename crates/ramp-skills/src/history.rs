@@ -60,6 +60,16 @@ impl Work {
         Work { kind: None, about: connection.to_string(), beam: None, link: None, peg: None }
     }
 
+    /// The beam that it moves, if it moves one.
+    pub fn beam(&self) -> Option<&str> {
+        self.beam.as_deref()
+    }
+
+    /// The link by which that beam is held.
+    pub fn link(&self) -> Option<&str> {
+        self.link.as_deref()
+    }
+
     /// The name of its beam, connection or peg.
     pub fn about(&self) -> &str {
         &self.about

@@ -33,7 +33,7 @@ pub fn take_over(skills: &SkillTable, cell: &mut Workcell, lost: &mut Vec<String
 
 /// Takes every beam that is seen in its place as standing, and every peg that is seen seated between two such
 /// beams as seated. Gives the names of both.
-fn recognise(cell: &mut Workcell) -> Vec<String> {
+pub fn recognise(cell: &mut Workcell) -> Vec<String> {
     let assembly = cell.assembly;
     let mut found = Vec::new();
     for index in (0..assembly.beams.len()).filter(|index| *index != assembly.base) {

@@ -248,18 +248,10 @@ impl Baseline<'_> {
         look_at_frame(&mut cell)?;
         tell_apart(&mut cell)?;
         take_over(&self.skills, &mut cell, &mut Vec::new())?;
-        let whole = backwards(&built, &cell.belief.fastened());
         let others: Vec<&str> = swaps.iter().map(|(_, name)| name.as_str()).collect();
-        for _ in 0..=cell.parameters.agent.apart_tries {
-            let left = left_of(&whole, |item| stands(&cell, item), |beam| is_deep(&cell, beam));
-            let left = until_out(left, &others);
-            self.report(&mut cell);
-            match self.run_plan(&mut cell, &left) {
-                Ok(()) => break,
-                Err(SkillError::Robot(error)) => return Err(error),
-                Err(error) => cell.record(error.fault()),
-            }
-            clear_hand(&self.skills, &mut cell)?;
+        if let Some(why) = self.carry_out_backwards(&mut cell, &built, &|left| until_out(left, &others))? {
+            let text = plain(&format!("beams stay in each other's places: {why}"), MAX_SENTENCE - 1);
+            cell.record(EventKind::Note { text });
         }
         self.report(&mut cell);
         Ok(cell.hand)

@@ -1,11 +1,11 @@
 //! The baseline takes a frame apart: the plan of the build, backwards.
 //!
 //! It knows that the frame is built, and of which parts. Pegs are pulled out and beams drawn out one after
-//! another, and each is put back in its place on the sheet before the next. What fails is tried again after a
-//! look; a part that fell is picked up from where it lies.
+//! another, and each is put back in its place on the sheet before the next. What fails is tried again
+//! [otherwise](super::apart); a part that fell is picked up from where it lies.
 
-use ramp_planner::{Grasp, Item, Plan, PlanError, State, backwards, left_of, plan};
-use ramp_robot::{EventKind, Retry, RobotError};
+use ramp_planner::{Grasp, Item, Plan, PlanError, State, backwards, plan};
+use ramp_robot::{EventKind, RobotError};
 
 use super::Baseline;
 use crate::cell::Workcell;
@@ -25,35 +25,19 @@ impl Baseline<'_> {
         note_fault(cell, known)?;
         let seen = cell.look_first();
         note_fault(cell, seen)?;
-        let plan = match self.plan_backwards(cell, &state.fastened) {
+        let built = match self.plan_of_build(cell) {
             Ok(plan) => plan,
             Err(error) => {
                 self.give_up(cell, &format!("no plan: {error}"));
                 return Ok(());
             }
         };
-        self.begins_with(&plan);
-        self.learn_paths(cell, &plan);
-        for failures in 1.. {
-            let left = left_of(&plan, |item| stands(cell, item), |beam| is_deep(cell, beam));
-            if failures > 1 {
-                self.replans(cell, &left);
-            }
-            let failure = match self.run_plan(cell, &left) {
-                Ok(()) => break,
-                Err(SkillError::Robot(error)) => return Err(error),
-                Err(error) => error,
-            };
-            cell.record(failure.fault());
-            self.report(cell);
-            clear_hand(&self.skills, cell)?;
-            if failures > cell.parameters.agent.apart_tries || cell.hand.time() > cell.parameters.agent.latest
-            {
-                self.tidy(cell)?;
-                self.give_up(cell, &failure.to_string());
-                return Ok(());
-            }
-            cell.record(Retry::new("take_apart", "the frame").attempt(failures + 1).because(&failure));
+        self.begins_with(&backwards(&built, &state.fastened));
+        self.learn_paths(cell, &built);
+        if let Some(why) = self.carry_out_backwards(cell, &built, &|left| left)? {
+            self.tidy(cell)?;
+            self.give_up(cell, &why);
+            return Ok(());
         }
         self.tidy(cell)?;
         let beside: Vec<&str> =
@@ -64,12 +48,8 @@ impl Baseline<'_> {
         Ok(())
     }
 
-    /// The plan of the build from the sheet, rehearsed with the arm's model, backwards.
-    fn plan_backwards(
-        &mut self,
-        cell: &mut Workcell,
-        pinned: &[(String, String)],
-    ) -> Result<Plan, PlanError> {
+    /// The plan of the build from the sheet, rehearsed with the arm's model.
+    fn plan_of_build(&mut self, cell: &mut Workcell) -> Result<Plan, PlanError> {
         let state = State::default();
         let (assembly, arm, domains) = (self.assembly, self.arm, self.domains);
         let (planner, parameters, skills) = (cell.planner, cell.parameters.clone(), self.skills.clone());
@@ -82,13 +62,10 @@ impl Baseline<'_> {
         match rehearsed {
             Ok(rehearsed) => {
                 cell.grasps = rehearsed.grasps.into_iter().map(|(beam, it)| (beam, it.grasp)).collect();
-                Ok(backwards(&rehearsed.plan, pinned))
+                Ok(rehearsed.plan)
             }
             // The arm may manage what the rehearsal could not.
-            Err(PlanError::Motion { .. }) => {
-                let plan = plan(assembly, &state, domains)?;
-                Ok(backwards(&plan, pinned))
-            }
+            Err(PlanError::Motion { .. }) => plan(assembly, &state, domains),
             Err(error) => Err(error),
         }
     }

@@ -201,7 +201,9 @@ impl SceneReader {
         });
         let there: Vec<(&str, Pose)> = surroundings.seen().collect();
         found.extend(in_frame::find(&mut view, &frame, &self.kit, &unseen.collect::<Vec<_>>(), &there)?);
-        if let Some(peg) = pegs.first() {
+        // One that was never seen stands in a hole, if anywhere.
+        let was_seen = |part: &&&Believed| mislaid.iter().all(|it| it.part != part.part);
+        if let Some(peg) = pegs.iter().find(was_seen) {
             found.extend(lost_peg(&mut view, &scene, peg, parameters)?);
         }
         if let Some(beam) = beams.first() {

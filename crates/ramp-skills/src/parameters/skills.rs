@@ -10,8 +10,6 @@ parameters! {
         pause: f64 = "s", 0.0, 600.0;
         /// Largest uncertainty of two holes for judging whether a peg goes in, 1 σ.
         holes_known: f64 = "m", 1e-5, 0.1;
-        /// Number of times that taking a frame apart goes on after a failure.
-        apart_tries: usize = "", 0.0, 100.0;
         /// Distance from its place in the holder above which a peg is no longer fetched. In its hole it can
         /// be 3 mm off.
         peg_strayed: f64 = "m", 1e-4, 0.1;
