@@ -1,5 +1,5 @@
-//! Taking a frame apart, piece by piece. One that does not come off is tried otherwise: after another look, by
-//! another link, after a pause. What was tried counts until something has come off.
+//! Taking a frame apart, piece by piece. One that does not come off is tried otherwise: after another look,
+//! by another link, after a pause. What was tried counts until something has come off.
 
 use ramp_planner::{FineAction, Plan, backwards, left_of};
 use ramp_robot::{Retry, RobotError};
@@ -115,7 +115,7 @@ impl Baseline<'_> {
                 }
                 Change::Pause => {
                     let waited = cell.hand.wait(cell.parameters.agent.pause);
-                    note_fault(cell, waited.map_err(SkillError::from))?;
+                    note_fault(cell, waited)?;
                 }
                 _ => {}
             }

@@ -243,10 +243,10 @@ impl Baseline<'_> {
             }
         };
         self.learn_paths(&mut cell, &built);
+        cell.belief.parts.are_told_apart();
         let seen = cell.look_first();
         note_fault(&mut cell, seen)?;
         look_at_frame(&mut cell)?;
-        tell_apart(&mut cell)?;
         take_over(&self.skills, &mut cell, &mut Vec::new())?;
         let others: Vec<&str> = swaps.iter().map(|(_, name)| name.as_str()).collect();
         if let Some(why) = self.carry_out_backwards(&mut cell, &built, &|left| until_out(left, &others))? {

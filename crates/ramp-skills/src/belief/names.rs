@@ -23,6 +23,14 @@ impl Belief {
         })
     }
 
+    /// The beams that may stand in one another's places were told apart: each is looked for in its own place
+    /// of the frame alone.
+    pub fn are_told_apart(&mut self) {
+        for beam in &self.kit.beams {
+            self.places.entry(beam.name.clone()).and_modify(|places| places.truncate(1));
+        }
+    }
+
     /// Without tags, one of two parts that are seen in one place was taken for the other: the one that is
     /// nearer to its own place on the sheet is there. Gives whether a part that is seen for the first time is
     /// not; another one that is not is forgotten.
@@ -52,7 +60,7 @@ impl Belief {
         [0.0, span].map(|along| x_wp * Point3::new(along, 0.0, 0.0))
     }
 
-    /// Looks once with the camera on the hand, see [`Eyes::compare`].
+    /// Looks once with the camera on the hand, see [`Eyes::compare`](super::eyes::Eyes::compare).
     ///
     /// # Errors
     /// The robot's.
