@@ -104,9 +104,11 @@ impl Baseline<'_> {
             self.report(cell);
             clear_hand(&self.skills, cell)?;
             let Some(work) = self.work.take() else { return Ok(Some(failure.to_string())) };
+            if cell.hand.time() > cell.parameters.agent.latest {
+                return Ok(Some(format!("no time is left; {failure}")));
+            }
             let change = attempts.next(cell, &work, &failure.to_string(), steps);
-            let late = cell.hand.time() > cell.parameters.agent.latest;
-            let Some(change) = change.filter(|_| !late) else { return Ok(Some(attempts.account(&work))) };
+            let Some(change) = change else { return Ok(Some(attempts.account(&work))) };
             cell.record(Retry::new("take_apart", work.about()).because(format!("{}, {change}", work.step())));
             match change {
                 Change::Look => {
