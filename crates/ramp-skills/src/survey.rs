@@ -28,7 +28,7 @@ const LOOKS: usize = 3;
 const OFF: f64 = 3.0e-3;
 const CLAMPED: f64 = 0.1e-3;
 const LEVER: f64 = 0.2;
-/// What is found farther from its place is something else, m.
+/// Largest distance from its place at which a part is taken for itself, m.
 const FAR: f64 = 12.0e-3;
 
 /// Measures the poses (in the world) of the parts that stand, by name, with the hand empty. A part that was

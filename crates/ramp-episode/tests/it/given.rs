@@ -221,8 +221,8 @@ fn told_without_tags(goal: &GoalFiles, state: &GivenState, track: Track) -> Stri
     result.events.iter().map(|event| event.kind.to_string() + "\n").collect()
 }
 
-/// What stands is measured from images on every track that gives them, with tags and without. A peg that is
-/// missing is not seen.
+/// A survey measures the frame from images on every track that gives them, with tags and without. A peg that
+/// is missing is not seen.
 #[test]
 fn a_built_frame_is_surveyed() {
     let goal = GoalFiles::new("easy-1");
