@@ -63,12 +63,9 @@ pub fn find(
             continue;
         }
         if is_peg {
-            // All pegs look the same: one is enough, which is the one that was glimpsed here, or nowhere.
-            meant.sort_by_key(|it| match &it.glimpsed {
-                Some(x) if is_here(&it.part.part, x) => 0,
-                None => 1,
-                Some(_) => 2,
-            });
+            // All pegs look the same: one is enough, which is the one that was glimpsed here, or nowhere yet.
+            meant.retain(|it| it.glimpsed.is_none_or(|x| is_here(&it.part.part, &x)));
+            meant.sort_by_key(|it| it.glimpsed.is_none());
             meant.truncate(1);
         }
         let mut fits: Vec<(String, Estimate)> = Vec::new();
