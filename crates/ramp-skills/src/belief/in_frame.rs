@@ -64,8 +64,10 @@ pub fn find(
         }
         if is_peg {
             // All pegs look the same: one is enough, which is the one that was glimpsed here, or nowhere yet.
-            meant.retain(|it| it.glimpsed.is_none_or(|x| is_here(&it.part.part, &x)));
-            meant.sort_by_key(|it| it.glimpsed.is_none());
+            let glimpsed =
+                |it: &Unseen| it.glimpsed.filter(|x| it.places.iter().any(|place| far(x, place) < ONE));
+            meant.retain(|it| glimpsed(it).is_none_or(|x| far(&x, place) < ONE));
+            meant.sort_by_key(|it| glimpsed(it).is_none());
             meant.truncate(1);
         }
         let mut fits: Vec<(String, Estimate)> = Vec::new();
@@ -75,6 +77,11 @@ pub fn find(
         found.extend(best(view, scene, fits)?);
     }
     Ok(found)
+}
+
+/// The distance between two places, m.
+fn far(a: &Pose, b: &Pose) -> f64 {
+    (a.translation.vector - b.translation.vector).norm()
 }
 
 /// The middle of a part at a pose, m.

@@ -218,11 +218,16 @@ impl Belief {
             part.suppose_outline(&seen);
         }
         let surprise = part.estimate.surprise(&seen);
-        let nominal = sighting.nominal == Some(Camera::Wrist) && part.seen;
-        if nominal && surprise > self.parameters.misplaced {
+        if sighting.nominal == Some(Camera::Wrist) && part.seen && surprise > self.parameters.misplaced {
             self.misplaced_camera.get_or_insert(true);
         }
+        let untagged = self.eyes.images() && !self.eyes.tags() && !self.anywhere;
         if surprise < self.parameters.gate {
+            // A single look may be of an empty slot.
+            if untagged && !part.seen && part.odd.is_none() {
+                part.odd = Some(seen);
+                return false;
+            }
             part.watch(&seen, &self.parameters);
             part.estimate.fuse(&seen);
             part.odd = None;
