@@ -2,8 +2,8 @@
 
 use super::lamp::{FULLY, Lit};
 use super::light::{lamp_on, linear, mixed, reflection, shade_on};
-use super::occluder::Corner;
-use super::renderer::{NOTHING, Renderer, SeenTag, TAG};
+use super::occluder::along_light;
+use super::renderer::{Face, NOTHING, Renderer, SeenTag, TAG};
 use super::rigid::Rigid;
 use super::triangles::NEAR;
 use crate::looks::{Looks, METAL, Sticker};
@@ -32,25 +32,26 @@ impl Renderer {
         self.project(&camera, &surface.mesh);
         let mesh = &surface.mesh;
         let eye = Rigid::new(&self.x_wc).shift;
-        let mut lamp_corners = std::mem::take(&mut self.corners);
-        lamp_corners.clear();
-        lamp_corners.resize(mesh.points.len(), None);
+        let mut corner_light = std::mem::take(&mut self.corner_light);
+        corner_light.clear();
+        corner_light.resize(mesh.points.len(), None);
         for ((triangle, normal), colour) in mesh.triangles.iter().zip(&surface.normals).zip(&mesh.colours) {
-            let corners = triangle.map(|corner| self.screen[corner as usize]);
-            let next = self.palette.len() as u32;
+            let [a, b, c] = *triangle;
+            let corners = [self.screen[a as usize], self.screen[b as usize], self.screen[c as usize]];
+            let next = self.faces.len() as u32;
             if self.triangle(&corners, next) {
                 let turned = world.turned(normal);
                 let (shade, lamp) = (shade_on(&turned) * body.tone, lamp_on(&turned) * body.tone);
                 let place = |corner: u32| world.moved(&mesh.points[corner as usize]);
                 // A face that turns away from the lamp may still mirror it a little at its edge.
                 let lit = if lamp > 0.0 {
-                    let mut known = triangle
-                        .map(|at| lamp_corners[at as usize].unwrap_or_else(|| Corner::new(&place(at))));
-                    let lit = self.lit(known.each_mut(), index as u16);
+                    let mut known = triangle.map(|corner| corner_light[corner as usize]);
+                    let at = triangle.map(|corner| along_light(&place(corner)));
+                    let lit = self.lit(&at, index as u16, &mut known);
                     triangle
                         .iter()
                         .zip(known)
-                        .for_each(|(at, known)| lamp_corners[*at as usize] = Some(known));
+                        .for_each(|(corner, known)| corner_light[*corner as usize] = known);
                     lit
                 } else {
                     Lit::Evenly(FULLY)
@@ -67,13 +68,11 @@ impl Renderer {
                     Lit::Evenly(lit) => (mixed(full, dark(), lit), None),
                     Lit::Partly => (full, Some(dark())),
                 };
-                self.palette.push(shown);
-                self.dark.push(dark);
-                self.owner.push(index as u16);
-                self.metal.push(*colour == METAL);
+                let metal = *colour == METAL;
+                self.faces.push(Face { colour: shown, dark, body: index as u16, metal });
             }
         }
-        self.corners = lamp_corners;
+        self.corner_light = corner_light;
         for sticker in &body.tags {
             self.tag(sticker, x_wb, x_cb, index as u16);
         }
@@ -127,14 +126,13 @@ impl Renderer {
         let world = Rigid::new(&(x_wb * sticker.place.x_pg));
         let half = 0.5 * sticker.size;
         let corners = [[-half, -half, 0.0], [half, -half, 0.0], [half, half, 0.0], [-half, half, 0.0]];
-        let mut corners = corners.map(|at| Corner::new(&world.moved(&at)));
+        let [a, b, c, d] = corners.map(|at| along_light(&world.moved(&at)));
         let (shade, lamp) = (shade_on(&normal), lamp_on(&normal));
-        let [a, b, c, d] = corners.each_mut();
         // The sheet's own tag is drawn without shadows, since cameras are calibrated by it.
         let lit = if body == NOTHING {
             Lit::Evenly(FULLY)
         } else {
-            let [lit, other] = [self.lit([&mut *a, b, &mut *c], body), self.lit([a, c, d], body)];
+            let [lit, other] = [[a, b, c], [a, c, d]].map(|at| self.lit(&at, body, &mut [None; 3]));
             if lit == other { lit } else { Lit::Partly }
         };
         let levels = |light: f32| -> [u16; PLACES + 1] {

@@ -2,7 +2,7 @@
 
 use super::lamp::FULLY;
 use super::light::mixed;
-use super::renderer::{Renderer, SeenTag, TAG};
+use super::renderer::{Face, Renderer, SeenTag, TAG};
 use super::rigid::Rigid;
 use super::table::{Node, Table};
 use crate::looks::Looks;
@@ -135,9 +135,9 @@ impl Renderer {
                     from = to;
                 }
             } else if what & TAG == 0 {
-                let (colour, body) = (self.palette[what as usize], self.owner[what as usize]);
+                let Face { colour, dark, body, .. } = self.faces[what as usize];
                 let pixels = light[3 * x..3 * end].as_chunks_mut().0;
-                match self.dark[what as usize] {
+                match dark {
                     None => pixels.fill(colour),
                     Some(dark) => {
                         let mut from = lamp(x, body) as i32;

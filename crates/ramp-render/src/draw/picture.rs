@@ -1,7 +1,6 @@
 //! One picture, from the scene to the image.
 
-use super::occluder::Occluder;
-use super::renderer::{NOTHING, Renderer};
+use super::renderer::{Face, NOTHING, Renderer};
 use super::rigid::Rigid;
 use super::scene::Scene;
 use crate::looks::Looks;
@@ -77,20 +76,14 @@ impl Renderer {
     fn place(&mut self, scene: &Scene, x_wc: &Pose, with_shadows: bool) -> Arc<Looks> {
         self.near.fill(0.0);
         self.shown.fill(0);
-        self.palette.clear();
-        self.dark.clear();
-        self.owner.clear();
-        self.metal.clear();
+        self.faces.clear();
         self.tags.clear();
         self.x_wc = *x_wc;
-        // Colour 0 is nothing.
-        self.palette.push([0; 3]);
-        self.dark.push(None);
-        self.owner.push(NOTHING);
-        self.metal.push(false);
+        // Face 0 is nothing.
+        self.faces.push(Face { colour: [0; 3], dark: None, body: NOTHING, metal: false });
         let looks = Arc::clone(&self.looks);
         let x_cw = x_wc.inverse();
-        self.occluders.fill(Occluder::NONE);
+        self.occluders.clear();
         if with_shadows {
             self.cast_shadows(&looks, scene, &Rigid::new(&x_cw));
         }

@@ -1,7 +1,7 @@
 //! The buffers of one camera, and the last picture in them.
 
 use super::map::{TABLE, bare, shadow_size};
-use super::occluder::{Corner, Occluder};
+use super::occluder::Occluders;
 use super::rigid::Rigid;
 use super::table::Node;
 use crate::lens::Lens;
@@ -30,21 +30,25 @@ pub(super) struct SeenTag {
     pub(super) body: u16,
 }
 
+/// A triangle of a body that may be in view.
+pub(super) struct Face {
+    /// Red, green and blue in the lamp's light.
+    pub(super) colour: [u16; 3],
+    /// The same in shadow, if an edge of a shadow may cross it.
+    pub(super) dark: Option<[u16; 3]>,
+    pub(super) body: u16,
+    pub(super) metal: bool,
+}
+
 /// Draws what one camera sees. Keeps its buffers from image to image.
 pub struct Renderer {
     pub(super) looks: Arc<Looks>,
     pub(super) lens: Lens,
     /// One over the distance along the optical axis, 1/m; 0 where nothing is.
     pub(super) near: Vec<f32>,
-    /// Content of each pixel: 0 nothing, a colour of the palette, or a tag.
+    /// Content of each pixel: 0 nothing, a face, or a tag.
     pub(super) shown: Vec<u32>,
-    pub(super) palette: Vec<[u16; 3]>,
-    /// Each colour of the palette in shadow, if an edge of a shadow may cross what has it.
-    pub(super) dark: Vec<Option<[u16; 3]>>,
-    /// The body of each colour of the palette.
-    pub(super) owner: Vec<u16>,
-    /// Whether each colour of the palette is that of metal.
-    pub(super) metal: Vec<bool>,
+    pub(super) faces: Vec<Face>,
     pub(super) tags: Vec<SeenTag>,
     /// Camera pose of the last picture.
     pub(super) x_wc: Pose,
@@ -53,9 +57,9 @@ pub struct Renderer {
     pub(super) nodes: Vec<Node>,
     pub(super) nodes_from: Option<Pose>,
     /// The highest occluder of the lamp above each cell of the map.
-    pub(super) occluders: Vec<Occluder>,
-    /// Corners of the body that is being drawn, once they are known.
-    pub(super) corners: Vec<Option<Corner>>,
+    pub(super) occluders: Occluders,
+    /// Light of the lamp, of 256, at the corners of the body that is being drawn, once it is known.
+    pub(super) corner_light: Vec<Option<u32>>,
     /// Sums while shadows' edges are made soft.
     pub(super) sums: [Vec<u16>; 2],
     /// Content of each cell of the map: [`TABLE_TOP`], [`PAPER`] or [`DETAIL`].
@@ -75,17 +79,14 @@ impl Renderer {
             lens: Lens::new(model),
             near: vec![0.0; count],
             shown: vec![0; count],
-            palette: Vec::new(),
-            dark: Vec::new(),
-            owner: Vec::new(),
-            metal: Vec::new(),
+            faces: Vec::new(),
             tags: Vec::new(),
             x_wc: Pose::identity(),
             screen: Vec::new(),
             nodes: Vec::new(),
             nodes_from: None,
-            occluders: vec![Occluder::NONE; cells[0] * cells[1]],
-            corners: Vec::new(),
+            occluders: Occluders::new(),
+            corner_light: Vec::new(),
             sums: [0, 1].map(|_| vec![0; cells[0] * cells[1]]),
             soft: vec![0; cells[0] * cells[1]],
         }
@@ -148,7 +149,7 @@ impl Renderer {
     /// Whether a pixel of the last picture shows metal.
     pub(crate) fn shows_metal(&self, pixel: usize) -> bool {
         let shown = self.shown[pixel];
-        shown & TAG == 0 && self.metal[shown as usize]
+        shown & TAG == 0 && self.faces[shown as usize].metal
     }
 
     /// Which body each pixel of the last picture shows ([`Looks::bodies`]), or [`NOTHING`].
@@ -157,7 +158,7 @@ impl Renderer {
             if shown & TAG != 0 {
                 self.tags[(shown & !TAG) as usize].body
             } else {
-                self.owner[*shown as usize]
+                self.faces[*shown as usize].body
             }
         };
         self.shown.iter().map(owner).collect()

@@ -34,17 +34,16 @@ impl Renderer {
                 let corners = triangle.map(|corner| self.screen[corner as usize]);
                 let height = plane(&corners);
                 cells(&corners, |row, from, to| {
-                    let occluders = &mut self.occluders[row * columns + from..=row * columns + to];
-                    for (occluder, column) in occluders.iter_mut().zip(from..) {
-                        occluder.raise(height(column as f32 + 0.5, row as f32 + 0.5), *index as u16);
-                    }
+                    let height = |column| height(column, row as f32 + 0.5);
+                    self.occluders.raise(row, [from, to], *index as u16, height);
                 });
             }
         }
+        self.occluders.tile();
         // Soft edges: the lamp is not a point. Then, wider, where there is any shadow at all.
         let [sums, marks] = &mut self.sums;
-        for (sum, occluder) in sums.iter_mut().zip(&self.occluders) {
-            *sum = if occluder.is_none() { 0 } else { 255 };
+        for (sum, any) in sums.iter_mut().zip(self.occluders.any()) {
+            *sum = if any { 255 } else { 0 };
         }
         spread(sums, marks, columns);
         for (mark, sum) in marks.iter_mut().zip(&*sums) {

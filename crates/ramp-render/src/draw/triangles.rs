@@ -39,7 +39,7 @@ impl Renderer {
         }
     }
 
-    /// Draws a triangle that is seen from outside; says whether it may be in the image.
+    /// Draws a triangle that is seen from outside; says whether any pixel shows it so far.
     #[inline]
     pub(super) fn triangle(&mut self, corners: &[[f32; 3]; 3], shown: u32) -> bool {
         let [a, b, c] = corners;
@@ -48,9 +48,14 @@ impl Renderer {
         }
         // y points down, so what is anticlockwise from outside is clockwise here: a negative area.
         let area = (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]);
-        if area >= -1e-6 {
-            return false;
-        }
+        // Half of them are seen from inside.
+        area < -1e-6 && self.fill(corners, area, shown)
+    }
+
+    /// Draws a triangle of this area, see [`Renderer::triangle`].
+    #[inline(never)]
+    fn fill(&mut self, corners: &[[f32; 3]; 3], area: f32, shown: u32) -> bool {
+        let [a, b, c] = corners;
         let (width, height) = (self.lens.model.width, self.lens.model.height);
         let low = |axis: usize| a[axis].min(b[axis]).min(c[axis]);
         let high = |axis: usize| a[axis].max(b[axis]).max(c[axis]);
@@ -91,6 +96,7 @@ impl Renderer {
             }
         }
         let (left, right) = (i64::from(left), i64::from(right));
+        let mut shows = 0;
         for y in first as usize..=last as usize {
             let middle = y as f32 + 0.5;
             let [[a_right, b_right], [a_left, b_left]] =
@@ -110,9 +116,10 @@ impl Renderer {
                 let mask = u32::from(value > *near).wrapping_neg();
                 *near = f32::from_bits(value.to_bits() & mask | near.to_bits() & !mask);
                 *pixel = shown & mask | *pixel & !mask;
+                shows |= mask;
             }
         }
-        true
+        shows != 0
     }
 }
 
