@@ -1,11 +1,13 @@
 //! The survey of a finished frame: the wrist camera visits every connection, and all that it sees of a part
 //! becomes one estimate of the part's pose. It measures what stands, for a referee, and changes nothing.
-//! Without tags each part is looked for where the goal has it, up to some millimetres off.
+//! Without tags each part is looked for where the goal has it, up to some millimetres off; then beams with
+//! the same joints are told apart from their sides.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::{Point3, Vector3};
 use ramp_assembly::Assembly;
+use ramp_kit::Beam;
 use ramp_kit::joint::FEMALE_HEIGHT;
 use ramp_motion::PathPlanner;
 use ramp_robot::arm::ArmModel;
@@ -16,6 +18,7 @@ use ramp_world::Start;
 use crate::Pose;
 use crate::belief::estimate::{Estimate, covariance};
 use crate::belief::surroundings::{Expected, Surroundings};
+use crate::belief::{beside, is_clearly_better};
 use crate::cell::Workcell;
 use crate::fault::SkillError;
 use crate::parameters::Parameters;
@@ -76,7 +79,58 @@ fn visit_all(cell: &mut Workcell, seen: &mut BTreeMap<String, Estimate>) -> Resu
             look_at(cell, x_wa * placed.x_ab * tag, seen)?;
         }
     }
+    tell_apart(cell, seen)
+}
+
+/// Without tags, beams with the same joints in the same places look nearly alike: each that stands is
+/// compared with the others from its sides. One that looks like another one is taken for that one.
+fn tell_apart(cell: &mut Workcell, seen: &mut BTreeMap<String, Estimate>) -> Result<(), SkillError> {
+    if cell.belief.parts.eyes.tags() {
+        return Ok(());
+    }
+    let (assembly, found) = (cell.assembly, seen.clone());
+    let clamped = &assembly.beams[assembly.base].beam.name;
+    let mut others: BTreeMap<String, String> = BTreeMap::new();
+    for placed in assembly.beams.iter().filter(|placed| placed.beam.name != *clamped) {
+        let (beam, x_wb) = (&placed.beam, cell.belief.x_wa() * placed.x_ab);
+        let nearly = |other: &&Beam| other.has_joints_of(beam) && !other.has_shape_of(beam);
+        let kit = cell.kit;
+        for other in kit.beams.iter().filter(|other| other.name != *clamped).filter(nearly) {
+            if found.contains_key(&beam.name) && is_another(cell, [beam, other], &x_wb)? {
+                others.insert(beam.name.clone(), other.name.clone());
+            }
+        }
+    }
+    // One that was seen in its own place is nowhere else.
+    let is_there = |beam: &String| found.contains_key(beam) && !others.contains_key(beam);
+    let others: Vec<_> = others.iter().filter(|(_, other)| !is_there(other)).collect();
+    seen.retain(|name, _| others.iter().all(|(beam, _)| *beam != name));
+    for (beam, other) in others {
+        if let Some(estimate) = found.get(beam) {
+            seen.insert(other.clone(), estimate.clone());
+        }
+    }
     Ok(())
+}
+
+/// Whether images from the sides of a beam, which the goal has at `x_wb` (world), show another one in its
+/// place.
+fn is_another(cell: &mut Workcell, beams: [&Beam; 2], x_wb: &Pose) -> Result<bool, SkillError> {
+    let points = [0.5, 0.0, 1.0].map(|share| x_wb * Point3::new(share * beams[0].span(), 0.0, 0.0));
+    let names = beams.map(|beam| beam.name.as_str());
+    let [mut off, mut other] = [0.0; 2];
+    for point in beside(x_wb.rotation * Vector3::x(), points) {
+        cell.visit(&point)?;
+        cell.hand.expose()?;
+        let surroundings = expected(cell);
+        if let Some(more) = cell.belief.parts.eyes.compare(&mut cell.hand, &surroundings, names)? {
+            [off, other] = [off + more[0], other + more[1]];
+        }
+        if is_clearly_better(off, other) || is_clearly_better(other, off) {
+            break;
+        }
+    }
+    Ok(is_clearly_better(other, off))
 }
 
 /// The built goal, as far as it has to be known to find its parts. Tags say themselves which part is where.
