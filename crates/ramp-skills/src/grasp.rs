@@ -22,6 +22,12 @@ pub const BLOCKS_BESIDE: f64 = 40.0e-3;
 /// Distance between the fingers when they hold a peg's head, m.
 pub const PEG_WIDTH: f64 = 49.0e-3;
 
+/// Least angle between a beam and one that is level with which the hand leans as well: a beam that lies on
+/// another one, or on a holder. With less, the ribs of an upright hand have room enough in its slots. rad.
+const LEANS: f64 = 0.06;
+/// The largest: one that leans by more lies on its side, or stands on its end. rad.
+const TOO_FAR: f64 = 0.6;
+
 /// Grasp of a beam: distance of the tip from its j1 hole, m, and a flag for a hand rotated by 180°.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BeamGrasp {
@@ -147,11 +153,23 @@ pub fn points_on(link: &Link, wanted: f64, grip: &GripParameters) -> Vec<f64> {
 }
 
 /// The pose of the tip that grips the beam at `x_wb` (world) at `s` metres from its j1 hole; `reverse` turns
-/// the hand by 180°.
+/// the hand by 180°. The hand leans with a beam that leans.
 pub fn beam_grasp(x_wb: &Pose, s: f64, reverse: bool) -> Pose {
     let p = x_wb * Point3::new(s, 0.0, 0.0);
     let yaw = yaw_of(x_wb) + if reverse { std::f64::consts::PI } else { 0.0 };
-    Pose::from_parts(Translation3::new(p.x, p.y, p.z + BEAM_HEIGHT), hand_down(yaw))
+    let lean = lean_of_beam(x_wb).unwrap_or_else(UnitQuaternion::identity);
+    Pose::from_parts((p.coords + lean * Vector3::z() * BEAM_HEIGHT).into(), lean * hand_down(yaw))
+}
+
+/// The rotation in the world by which a beam at `x_wb` leans against a level one with the same direction and
+/// the same side up; `None` for one that is about level, lies on its side, or stands on its end.
+pub fn lean_of_beam(x_wb: &Pose) -> Option<UnitQuaternion<f64>> {
+    let up = (x_wb.rotation * Vector3::z()).z;
+    let yaw = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), yaw_of(x_wb));
+    let side = if up < 0.0 { std::f64::consts::PI } else { 0.0 };
+    let level = yaw * UnitQuaternion::from_axis_angle(&Vector3::x_axis(), side);
+    let lean = x_wb.rotation * level.inverse();
+    (LEANS..TOO_FAR).contains(&lean.angle()).then_some(lean)
 }
 
 /// The pose of the tip that grips the peg at `x_wp` (world) across two sides of its head; `quarter` turns the

@@ -13,7 +13,7 @@ use nalgebra::{Point3, Translation3, UnitQuaternion, Vector2, Vector3};
 use ramp_kit::{Beam, Holder, Kit, lookalike};
 use ramp_robot::{Camera, CameraModel, Image};
 use ramp_vision::Lying;
-use ramp_vision::untagged::{Believed, Scene, SceneFinder, Strewn, strewn_covariance};
+use ramp_vision::untagged::{Believed, Found, Scene, SceneFinder, Strewn, strewn_covariance};
 
 use super::estimate::Estimate;
 use crate::Pose;
@@ -26,6 +26,8 @@ const SAME: f64 = 15.0e-3;
 const SPANS: f64 = 30.0e-3;
 /// How far a head may be from where the row of a holder has it, m.
 const ROW: f64 = 4.0e-3;
+/// By how much larger the share of agreeing steps is of a beam that leans than of one that lies flat.
+const LEANS: f64 = 0.05;
 /// How far beside a beam the camera looks at it from, m.
 const BESIDE: f64 = 0.08;
 /// A shape is clearly better than another one if images are off from it by less than this share of what they
@@ -161,8 +163,8 @@ impl StrewnParts {
         Ok((unseen.iter().filter_map(believed).collect(), holders))
     }
 
-    /// A beam that was lost, found where it lies flat on the table: of those that look like it the nearest,
-    /// with its ends as they were.
+    /// A beam that was lost, found where it lies flat on the table, of those that look like it the nearest,
+    /// with its ends as they were; or where it leans on something.
     ///
     /// # Errors
     /// The reason for which the image is of no use, as text.
@@ -182,12 +184,18 @@ impl StrewnParts {
             sigma: Lying::SIGMA,
         };
         let shape = Strewn { part: lost.part.clone(), flat, lying: Some(lying.clone()) };
+        let estimate = |part: Found| {
+            let covariance = part.covariance * parameters.common;
+            (part.part, Estimate { x: part.x_wp, covariance })
+        };
+        let leaning = view.finder.find_leaning(view.image, view.camera, scene, &shape, &lost.x_wp);
+        let leaning = leaning.map_err(|error| error.to_string())?;
         let found = view.finder.find_beams_anywhere(view.image, view.camera, scene, &[shape]);
         let found = found.map_err(|error| error.to_string())?;
         let was = middle_of(beam, &lost.x_wp);
         let off = |x_wb: &Pose| (middle_of(beam, x_wb) - was).norm();
         let nearest = found.into_iter().map(|(_, x_wb)| x_wb).min_by(|a, b| off(a).total_cmp(&off(b)));
-        let Some(x_wb) = nearest else { return Ok(None) };
+        let Some(x_wb) = nearest else { return Ok(leaning.map(estimate)) };
         let back = (x_wb.rotation * Vector3::x()).dot(&(lost.x_wp.rotation * Vector3::x())) < 0.0;
         let yaw = yaw_of(&x_wb) + if back { PI } else { 0.0 };
         let there = Believed {
@@ -202,9 +210,9 @@ impl StrewnParts {
         let scene = Scene { parts: &parts, ..*scene };
         let seen = view.finder.find(view.image, view.camera, &scene, &wanted, 0.0);
         let seen = seen.map_err(|error| error.to_string())?.found.into_iter().next();
-        Ok(seen.map(|part| {
-            (part.part, Estimate { x: part.x_wp, covariance: part.covariance * parameters.common })
-        }))
+        // A flat beam is seen about as well as one that leans a little.
+        let flat = seen.as_ref().map_or(0.0, |flat| flat.share + LEANS);
+        Ok(leaning.filter(|leaning| leaning.share > flat).or(seen).map(estimate))
     }
 
     /// One beam of each look.

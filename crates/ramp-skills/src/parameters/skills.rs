@@ -110,6 +110,8 @@ parameters! {
         peg_lift: f64 = "m", 1e-3, 0.3;
         /// Speed of the lift. Chosen.
         speed: f64 = "m/s", 1e-3, 1.0;
+        /// Speed of the lift of a beam that leans on something, until it is level. Chosen.
+        leaning_speed: f64 = "m/s", 1e-3, 1.0;
     }
 }
 

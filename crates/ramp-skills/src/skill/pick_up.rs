@@ -1,10 +1,12 @@
 //! Picks up a part and lifts it a little.
 
+use nalgebra::Point3;
 use ramp_planner::{End, FineAction, Impossible, Item};
 
 use super::contract::{ActionKind, Call, Effect, Need, Skill};
 use crate::cell::Workcell;
 use crate::fault::SkillError;
+use crate::grasp::lean_of_beam;
 use crate::parameters::Parameters;
 use crate::parameters::skills::PickUpParameters;
 use crate::primitive::grip::rehearse_grasps;
@@ -69,12 +71,23 @@ impl PickUp {
     pub fn pick_up(&self, cell: &mut Workcell, part: &str, link: Option<&str>) -> Result<(), SkillError> {
         cell.see_to_grip(part)?;
         let grasp = cell.choose_grasp(part, link)?;
+        let x_wp = cell.belief.parts.pose(part)?;
         cell.grasp(part, &grasp)?;
         let mut up = cell.hand.setpoint;
         // A peg must leave its holder altogether, a beam only the table.
         up.translation.z +=
             if cell.kit.beam(part).is_some() { self.parameters.lift } else { self.parameters.peg_lift };
-        cell.hand.go(&up, self.parameters.speed)?;
+        let lean = cell.kit.beam(part).map(|beam| (beam.span(), lean_of_beam(&x_wp)));
+        if let Some((span, Some(lean))) = lean {
+            // As high as its higher end, so that it comes level over what it leaned on.
+            let ends = [0.0, span].map(|along| (x_wp * Point3::new(along, 0.0, 0.0)).z);
+            up.translation.z += ends[0].max(ends[1]) - grasp.x_wt.translation.z;
+            cell.hand.go(&up, self.parameters.leaning_speed)?;
+            up.rotation = lean.inverse() * up.rotation;
+            cell.hand.go(&up, self.parameters.leaning_speed)?;
+        } else {
+            cell.hand.go(&up, self.parameters.speed)?;
+        }
         cell.check_grip(part)
     }
 }

@@ -31,7 +31,7 @@ const JOINT: f64 = 25.0e-3;
 /// Cells around what is drawn in which nothing is looked for.
 const MARGIN: usize = 3;
 /// How much the middle of a black area may be off that of the joint, m.
-const OFF: f64 = 9.0e-3;
+pub(super) const OFF: f64 = 9.0e-3;
 /// Two black stretches of a beam that are nearer than this are one, m.
 const GAP: f64 = 1.0e-3;
 /// Standard deviations along the table, m, and of the turn about the vertical, degrees: of a start from black
@@ -78,7 +78,7 @@ impl Strewn {
 }
 
 /// Middles of the black stretches of a beam along its axis, m, from its first end.
-fn joints(surface: &Surface) -> Vec<f64> {
+pub(super) fn joints(surface: &Surface) -> Vec<f64> {
     let black =
         |index: usize| surface.patches[surface.patch_of[index] as usize].1.iter().all(|it| *it < BLACK);
     let mut stretches: Vec<[f64; 2]> = (0..surface.triangles.len())
@@ -326,7 +326,7 @@ fn row_of_heads(area: &Area, width: f64) -> Vec<[f64; 2]> {
 }
 
 /// Areas of the size of a joint that are black where the drawing of all that is known has nothing.
-fn black_areas(look: &Look, canvas: &mut Canvas) -> Vec<Area> {
+pub(super) fn black_areas(look: &Look, canvas: &mut Canvas) -> Vec<Area> {
     // Outside of the image all is black.
     let is_black = |[r, g, b]: [f32; 3]| r > 0.0 && r.max(g).max(b) < BLACK;
     let mut areas = areas(look, canvas, THICK, &is_black);

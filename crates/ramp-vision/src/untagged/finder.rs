@@ -8,10 +8,11 @@ use ramp_robot::{Camera, CameraModel, Image, Pose};
 
 use super::anywhere::{self, Comparison, Strewn};
 use super::canvas::{Canvas, Lens};
+use super::leaning;
 use super::look::Look;
 use super::lost::{Trace, trace};
 use super::profile::Photograph;
-use super::scene::{Believed, Bodies, Scene, Seen};
+use super::scene::{Believed, Bodies, Found, Scene, Seen};
 use super::solids::surfaces;
 use crate::image::{SightError, check_light};
 
@@ -83,6 +84,22 @@ impl SceneFinder {
         wanted: &[Strewn],
     ) -> Result<Vec<(String, Pose)>, SightError> {
         self.look(image, camera, scene, 0.0, |look, canvas| anywhere::beams(look, canvas, wanted))
+    }
+
+    /// Looks for a beam that may lean on something, anywhere, with one end on the table; `beam` tells how it
+    /// lies flat, and `was` its pose in the world before it was lost.
+    ///
+    /// # Errors
+    /// As [`SceneFinder::find`].
+    pub fn find_leaning(
+        &mut self,
+        image: &Image,
+        camera: &CameraModel,
+        scene: &Scene,
+        beam: &Strewn,
+        was: &Pose,
+    ) -> Result<Option<Found>, SightError> {
+        self.look(image, camera, scene, 0.0, |look, canvas| leaning::beam(look, canvas, beam, was))
     }
 
     /// Compares beams that may lie in one place, each near a pose in the world, by how they explain an image

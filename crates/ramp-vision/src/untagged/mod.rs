@@ -8,7 +8,8 @@
 //! gives a start where a part is known only roughly. [`look`] does this for every part of a [`scene`],
 //! measures again where it is by then, and draws again what moved far; [`acceptance`] rejects poses that the
 //! image does not support; [`lost`] looks for a peg that may be anywhere in any position, [`anywhere`] for
-//! beams and pegs that lie or stand as usual, but anywhere; [`finder`] is the whole.
+//! beams and pegs that lie or stand as usual, but anywhere, [`leaning`] for a beam with one end on something;
+//! [`finder`] is the whole.
 //!
 //! Since the drawing has the neighbours, the fingers and the holders in it, hidden edges and parts in one
 //! another need no case of their own.
@@ -19,6 +20,7 @@ pub mod canvas;
 pub mod contours;
 pub mod depths;
 pub mod finder;
+pub mod leaning;
 pub mod look;
 pub mod lost;
 pub mod marks;

@@ -161,3 +161,29 @@ fn a_beam_is_told_from_its_likes_from_near() {
         }
     }
 }
+
+/// A beam with one end on the table and the other up in the air, as if it leaned on something, is found at
+/// its tilt: from above, where heights hardly show, and from near.
+#[test]
+fn a_beam_that_leans_is_found() {
+    let mut cell = Cell::new();
+    let flat = cell.lay("b2", [0.47, -0.25], 0.6);
+    // About its first end, which stays on the table.
+    let across = flat.rotation * Vector3::y_axis();
+    let lean = UnitQuaternion::from_axis_angle(&across, -8.0_f64.to_radians());
+    let x_wb = Pose::from_parts(flat.translation, lean * flat.rotation);
+    cell.table.parts.iter_mut().filter(|(part, _)| part == "b2").for_each(|(_, x)| *x = x_wb);
+    let known = cell.known(&["b2"]);
+    let scene = Scene { parts: &known, holders: &cell.holders, width: WIDTH };
+    let near = tip_above(&CameraModel::nominal(Camera::Wrist, TIP), [0.47, -0.25, 0.45], 0.0, [0.0; 2]);
+    let away = Pose::translation(0.3, -0.55, 0.5);
+    for (camera, x_wt, most) in [(Camera::BirdsEye, away, 12.0e-3), (Camera::Wrist, near, 3.0e-3)] {
+        let image = cell.look(camera, x_wt, 1);
+        let model = CameraModel::nominal(camera, TIP);
+        let found = cell.finder.find_leaning(&image, &model, &scene, &cell.strewn("b2"), &flat).unwrap();
+        let seen = found.unwrap_or_else(|| panic!("{camera:?}: not found")).x_wp;
+        let end = Point3::new(cell.table.kit.beam("b2").unwrap().span(), 0.0, 0.0);
+        let off = [Point3::origin(), end].map(|end| (seen * end - x_wb * end).norm());
+        assert!(off.iter().all(|off| *off < most), "{camera:?}: {off:?} m");
+    }
+}
