@@ -20,7 +20,7 @@ fn each_skill_is_printed_with_its_parameters() {
     for line in ["serves   pick_up", "needs    the hand is empty", "expects  the hand holds the part"] {
         assert!(said.contains(line), "{said}");
     }
-    assert!(said.contains("lift      0.02 m"), "{said}");
+    assert!(said.contains("lift           0.02 m"), "{said}");
 
     let (_, said, _) = ramp(&folder, &["skills", "--json"]);
     let all: Value = serde_json::from_str(&said).unwrap();

@@ -222,7 +222,7 @@ fn told_without_tags(goal: &GoalFiles, state: &GivenState, track: Track) -> Stri
 }
 
 /// A beam that leans on another one is gripped by a hand that leans as it does, and built in: with poses that
-/// are told, and without tags. An upright hand does not find its slots.
+/// are told, and from images. An upright hand does not find its slots.
 #[test]
 fn a_beam_that_leans_on_another_is_built_in() {
     let goal = GoalFiles::new("easy-1");
@@ -231,7 +231,7 @@ fn a_beam_that_leans_on_another_is_built_in() {
         "quat_wxyz": [0.70473, 0.05794, -0.05794, 0.70473]}}}"#;
     let state = state(&goal, text);
     let world = World::shipped("real").unwrap();
-    for track in [Track::State, Track::Depth] {
+    for track in [Track::State, Track::Tags] {
         let setup = Setup { state: Some(&state), world, ..goal.setup(track, 1) };
         let result = goal.run_setup(&setup);
         assert_eq!(result.completion, 1.0, "{track:?}: {:?}", result.events);

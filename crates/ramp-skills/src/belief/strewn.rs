@@ -164,7 +164,8 @@ impl StrewnParts {
     }
 
     /// A beam that was lost, found where it lies flat on the table, of those that look like it the nearest,
-    /// with its ends as they were; or where it leans on something.
+    /// with its ends as they were; or where it leans on something. One that never `was_seen` may stand in a
+    /// frame that begins an episode, where much looks as if it leaned.
     ///
     /// # Errors
     /// The reason for which the image is of no use, as text.
@@ -173,6 +174,7 @@ impl StrewnParts {
         view: &mut View,
         scene: &Scene,
         lost: &Believed,
+        was_seen: bool,
         parameters: &EyesParameters,
     ) -> Result<Option<(String, Estimate)>, String> {
         let Some(beam) = self.kit.beam(&lost.part) else { return Ok(None) };
@@ -188,8 +190,12 @@ impl StrewnParts {
             let covariance = part.covariance * parameters.common;
             (part.part, Estimate { x: part.x_wp, covariance })
         };
-        let leaning = view.finder.find_leaning(view.image, view.camera, scene, &shape, &lost.x_wp);
-        let leaning = leaning.map_err(|error| error.to_string())?;
+        let leaning = if was_seen {
+            let leaning = view.finder.find_leaning(view.image, view.camera, scene, &shape, &lost.x_wp);
+            leaning.map_err(|error| error.to_string())?
+        } else {
+            None
+        };
         let found = view.finder.find_beams_anywhere(view.image, view.camera, scene, &[shape]);
         let found = found.map_err(|error| error.to_string())?;
         let was = middle_of(beam, &lost.x_wp);

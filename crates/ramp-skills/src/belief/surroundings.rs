@@ -207,7 +207,8 @@ impl SceneReader {
             found.extend(lost_peg(&mut view, &scene, peg, parameters)?);
         }
         if let Some(beam) = beams.first() {
-            found.extend(self.strewn.find_lost(&mut view, &scene, beam, parameters)?);
+            let was_seen = was_seen(&beam);
+            found.extend(self.strewn.find_lost(&mut view, &scene, beam, was_seen, parameters)?);
         }
         let sighting = |(part, seen)| eye.sighting(part, seen, &x_wc, image.x_wt);
         sightings.extend(found.into_iter().map(sighting));
