@@ -26,7 +26,7 @@ const SAME: f64 = 15.0e-3;
 const SPANS: f64 = 30.0e-3;
 /// How far a head may be from where the row of a holder has it, m.
 const ROW: f64 = 4.0e-3;
-/// By how much larger the share of agreeing steps is of a beam that leans than of one that lies flat.
+/// Least excess of the share of agreeing steps of a beam that leans over that of one that lies flat.
 const LEANS: f64 = 0.05;
 /// How far beside a beam the camera looks at it from, m.
 const BESIDE: f64 = 0.08;
