@@ -6,7 +6,7 @@ use ramp_planner::{End, FineAction, Impossible, Item};
 use super::contract::{ActionKind, Call, Effect, Need, Skill};
 use crate::cell::Workcell;
 use crate::fault::SkillError;
-use crate::grasp::lean_of_beam;
+use crate::grasp::{BEAM_HEIGHT, lean_of_beam};
 use crate::parameters::Parameters;
 use crate::parameters::skills::PickUpParameters;
 use crate::primitive::grip::rehearse_grasps;
@@ -79,9 +79,9 @@ impl PickUp {
             if cell.kit.beam(part).is_some() { self.parameters.lift } else { self.parameters.peg_lift };
         let lean = cell.kit.beam(part).map(|beam| (beam.span(), lean_of_beam(&x_wp)));
         if let Some((span, Some(lean))) = lean {
-            // As high as its higher end, so that it comes level over what it leaned on.
+            // Its axis over its higher end, so that it comes level over what it leaned on.
             let ends = [0.0, span].map(|along| (x_wp * Point3::new(along, 0.0, 0.0)).z);
-            up.translation.z += ends[0].max(ends[1]) - grasp.x_wt.translation.z;
+            up.translation.z += ends[0].max(ends[1]) - (grasp.x_wt.translation.z - BEAM_HEIGHT);
             cell.hand.go(&up, self.parameters.leaning_speed)?;
             up.rotation = lean.inverse() * up.rotation;
             cell.hand.go(&up, self.parameters.leaning_speed)?;

@@ -7,7 +7,6 @@
 use nalgebra::{Matrix6, Point3, Translation3, UnitQuaternion, Vector3, Vector6};
 use ramp_robot::Pose;
 
-use super::acceptance::LEAST_SHARE;
 use super::anywhere::{OFF, Strewn, black_areas, joints};
 use super::canvas::Canvas;
 use super::look::Look;
@@ -53,7 +52,7 @@ pub fn beam(look: &Look, canvas: &mut Canvas, beam: &Strewn, was: &Pose) -> Opti
             }
         }
     }
-    best.filter(|best| best.share >= LEAST_SHARE)
+    best
 }
 
 /// The poses of a beam whose joints at its ends (`along` its axis, m) are about at two points of the world,
