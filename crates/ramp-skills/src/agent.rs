@@ -474,6 +474,9 @@ impl<'a> Baseline<'a> {
                 if self.history.skips(action, cell.progress()) {
                     continue;
                 }
+                if let FineAction::PickUp { item: Item::Beam(beam), .. } = action {
+                    clear::uncover(&self.skills, cell, &plan.entries, beam)?;
+                }
                 let event = Action::of(action);
                 cell.record(EventKind::ActionBegun(event.clone()));
                 self.report(cell);

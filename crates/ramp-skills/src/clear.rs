@@ -1,9 +1,10 @@
-//! Before a build from a start whose parts lie anywhere: the agent finds them, and clears the place where the
-//! frame is to stand.
+//! Lays beams aside that lie in the way: before a build from a start whose parts lie anywhere, where it finds
+//! the parts and clears the place of the frame, and before a beam is taken on which others lie.
 
 use std::f64::consts::FRAC_PI_2;
 
 use nalgebra::{Point3, Translation3, Vector3};
+use ramp_kit::dimensions::{BODY_WIDTH, EXTRUSION};
 use ramp_kit::{Beam, Footprint, Holder};
 use ramp_planner::{Entry, FineAction, Grasp, Item, Plan, PlanError};
 use ramp_robot::{EventKind, RobotError};
@@ -192,6 +193,66 @@ pub fn lay_aside(
         put_back(skills, cell, &beam.name)?;
     }
     done
+}
+
+/// Lays each loose beam that lies on this one aside, the uppermost first: it would fall as this one is
+/// lifted. One that the hand cannot take stays.
+///
+/// # Errors
+/// The robot's.
+pub fn uncover(
+    skills: &SkillTable,
+    cell: &mut Workcell,
+    entries: &[Entry],
+    beam: &str,
+) -> Result<(), RobotError> {
+    for _ in 0..cell.kit.beams.len() {
+        let Some((upper, lower)) = uppermost(cell, beam) else { break };
+        let laid = lay_aside(skills, cell, entries, upper, &format!("{} lies on {lower}", upper.name));
+        if !note_fault(cell, laid)? {
+            break;
+        }
+    }
+    Ok(())
+}
+
+/// Of the loose beams that lie on this one, or on one that does, one on which none lies, with the name of the
+/// beam under it.
+fn uppermost<'k>(cell: &Workcell<'k, '_>, beam: &str) -> Option<(&'k Beam, &'k str)> {
+    let kit: &'k ramp_kit::Kit = cell.kit;
+    let (mut lower, mut upper) = (kit.beam(beam)?, None);
+    for _ in 0..kit.beams.len() {
+        let Some(next) = kit.beams.iter().find(|next| is_loose(cell, next) && lies_on(cell, next, lower))
+        else {
+            break;
+        };
+        (lower, upper) = (next, Some((next, lower.name.as_str())));
+    }
+    upper
+}
+
+/// Whether a beam is neither clamped nor stands in the frame, and was not lost.
+fn is_loose(cell: &Workcell, beam: &Beam) -> bool {
+    let stands = |index| index == cell.assembly.base || cell.belief.standing.contains(&index);
+    let in_frame = cell.assembly.beam_index(&beam.name).is_some_and(stands);
+    !in_frame && !cell.belief.parts.is_lost(&beam.name)
+}
+
+/// Whether a beam lies over another one: a point of its axis is over the other's width, and higher than the
+/// other's axis by at least half of its thickness.
+fn lies_on(cell: &Workcell, upper: &Beam, lower: &Beam) -> bool {
+    let pose = |beam: &Beam| cell.belief.parts.pose(&beam.name);
+    let (Ok(x_wu), Ok(x_wl)) = (pose(upper), pose(lower)) else { return false };
+    let x_lu = x_wl.inverse() * x_wu;
+    let up = x_wl.rotation.inverse() * Vector3::z();
+    let points = (upper.span() / cell.parameters.clear.step).ceil() as i32;
+    (0..=points).any(|point| {
+        let p_l = x_lu * Point3::new(upper.span() * f64::from(point) / f64::from(points), 0.0, 0.0);
+        let on_axis = Point3::new(p_l.x.clamp(0.0, lower.span()), 0.0, 0.0);
+        let off = p_l - on_axis;
+        let height = off.dot(&up);
+        (off - up * height).norm() < BODY_WIDTH && height > EXTRUSION / 2.0
+    })
 }
 
 /// Takes a beam by the link nearest to its middle that can be gripped, and lays it down elsewhere, where the

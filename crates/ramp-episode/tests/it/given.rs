@@ -240,6 +240,24 @@ fn a_beam_that_leans_on_another_is_built_in() {
     }
 }
 
+/// A beam that lies across another one is laid aside before that is taken: it would fall.
+#[test]
+fn a_beam_that_lies_on_another_is_laid_aside_first() {
+    let goal = GoalFiles::new("easy-1");
+    let text =
+        r#"{"poses": {"b1": {"position": [0.52, 0.335, 0.05], "quat_wxyz": [0.70711, 0, 0, -0.70711]}}}"#;
+    let state = state(&goal, text);
+    let world = World::shipped("real").unwrap();
+    for track in [Track::State, Track::Tags] {
+        let result = goal.run_setup(&Setup { state: Some(&state), world, ..goal.setup(track, 1) });
+        assert_eq!(result.completion, 1.0, "{track:?}: {:?}", result.events);
+        let told: Vec<String> = result.events.iter().map(|event| event.kind.to_string()).collect();
+        let aside = told.iter().position(|told| told.contains("b1 lies on b5: laid down"));
+        let taken = told.iter().position(|told| told.contains("pick_up") && told.contains("b5"));
+        assert!(aside.is_some() && aside < taken, "{track:?}: {told:?}");
+    }
+}
+
 /// Beams with the same joints that stand in one another's places are not the goal: a survey tells them apart
 /// without tags, too, and only then.
 #[test]
