@@ -163,6 +163,14 @@ fn a_set_without_tags_is_in_the_form_of_bop() {
                 visible.iter().filter(|it| **it).count() as u64,
                 info["px_count_visib"].as_u64().unwrap()
             );
+            let shown = || visible.iter().enumerate().filter(|(_, shows)| **shows).map(|(at, _)| at);
+            let ends = |place: fn(usize) -> usize| [shown().map(place).min(), shown().map(place).max()];
+            if let ([Some(left), Some(right)], [Some(top), Some(bottom)]) =
+                (ends(|at| at % 1280), ends(|at| at / 1280))
+            {
+                let box_of_mask = serde_json::json!([left, top, right - left, bottom - top]);
+                assert_eq!(info["bbox_visib"], box_of_mask, "image {image}, part {index}");
+            }
             let (r, t) = (numbers(&truth["cam_R_m2c"]), numbers(&truth["cam_t_m2c"]));
             let mesh = path.join(format!("models/obj_{:06}.ply", truth["obj_id"].as_u64().unwrap()));
             let text = std::fs::read_to_string(mesh).unwrap();

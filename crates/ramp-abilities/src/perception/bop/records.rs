@@ -65,8 +65,9 @@ impl Instance {
             pixels.iter().map(|pixel| pixel[axis]).reduce(better).unwrap_or(0.0)
         };
         let low = [0, 1].map(|axis| end(axis, f64::min).floor() as i64);
-        let high = [0, 1].map(|axis| end(axis, f64::max).ceil() as i64);
-        let around = [low[0], low[1], high[0] - low[0], high[1] - low[1]];
+        let high = [0, 1].map(|axis| end(axis, f64::max).ceil() as i64 - 1);
+        let shows = visible.contains(&true);
+        let around = if shows { [low[0], low[1], high[0] - low[0], high[1] - low[1]] } else { [-1; 4] };
         Some(Instance { part: part.to_string(), object, x_cp, whole, visible, counts, around })
     }
 
@@ -84,7 +85,8 @@ pub fn numbers(x: &Pose) -> ([f64; 9], [f64; 3]) {
     (rows, (x.translation.vector * 1e3).into())
 }
 
-/// Left, top, width and height of the pixels of a mask; −1 where there is none.
+/// Left and top pixel of a mask, and how far it is from there to the last ones, as BOP's toolkit counts
+/// widths and heights; −1 where there is none.
 fn around(mask: &[bool], width: usize) -> [i64; 4] {
     let (mut low, mut high) = ([i64::MAX; 2], [i64::MIN; 2]);
     for index in mask.iter().enumerate().filter(|(_, set)| **set).map(|(index, _)| index) {
@@ -93,7 +95,7 @@ fn around(mask: &[bool], width: usize) -> [i64; 4] {
             high[axis] = high[axis].max(at as i64);
         }
     }
-    if low[0] > high[0] { [-1; 4] } else { [low[0], low[1], high[0] - low[0] + 1, high[1] - low[1] + 1] }
+    if low[0] > high[0] { [-1; 4] } else { [low[0], low[1], high[0] - low[0], high[1] - low[1]] }
 }
 
 impl Record {
