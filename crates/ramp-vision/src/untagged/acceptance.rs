@@ -45,7 +45,9 @@ pub struct Work {
     pub depths: Depths,
     /// The last fit.
     pub fitted: Option<Fitted>,
-    /// Number of steps that could have been found.
+    /// Number of its steps.
+    pub steps: usize,
+    /// Number of those that tell whether it is there: a shadow may hide the others.
     pub candidates: usize,
     /// Steps that were found in the image.
     pub places: Vec<Place>,
@@ -67,6 +69,7 @@ impl Work {
             marks: None,
             depths: Depths::default(),
             fitted: None,
+            steps: 0,
             candidates: 0,
             places: Vec::new(),
             moved: 0.0,
@@ -80,8 +83,8 @@ impl Work {
 /// The pose of a part in the world, if the image supports it well enough.
 pub fn accept(x_wc: &Pose, part: &Believed, work: &Work) -> Option<Found> {
     let fitted = work.fitted.as_ref().filter(|_| !work.absent)?;
-    let share = fitted.agreeing as f64 / work.candidates.max(1) as f64;
-    if fitted.agreeing < LEAST_STEPS || share < LEAST_SHARE {
+    let share_of = |all: usize| fitted.agreeing as f64 / all.max(1) as f64;
+    if fitted.agreeing < LEAST_STEPS || share_of(work.candidates) < LEAST_SHARE {
         return None;
     }
     // The printed outline of a part is not the part.
@@ -108,7 +111,7 @@ pub fn accept(x_wc: &Pose, part: &Believed, work: &Work) -> Option<Found> {
         x_wp: work.x_wp,
         covariance,
         points: work.places.iter().step_by(stride).map(|place| place.p_p).collect(),
-        share,
+        share: share_of(work.steps),
         agreeing: fitted.agreeing,
         pixels: fitted.pixels,
     })

@@ -70,7 +70,9 @@ impl Lens {
 pub struct Face {
     /// The number of the body, as it was given.
     pub body: u16,
-    /// Its colour in even light.
+    /// The colour of its material.
+    pub material: Colour,
+    /// The colour that it shows in even light from above.
     pub colour: Colour,
     /// Its normal, outwards, in the optical frame.
     pub normal: [f32; 3],
@@ -133,7 +135,7 @@ impl Canvas {
             self.shown[y * w + x0..y * w + x1].fill(GROUND);
         }
         self.faces.clear();
-        self.faces.push(Face { body: u16::MAX, colour: [0.0; 3], normal: [0.0; 3] });
+        self.faces.push(Face { body: u16::MAX, material: [0.0; 3], colour: [0.0; 3], normal: [0.0; 3] });
     }
 
     /// The window around a surface at `x_cb` in the optical frame; `None` where it is not in view.
@@ -188,7 +190,8 @@ impl Canvas {
         self.faces.extend(surface.patches.iter().map(|(normal, colour)| {
             let normal = rotation * nalgebra::Vector3::from(*normal);
             let light = AMBIENT + ABOVE * (normal.dot(&nalgebra::Vector3::from(up))).max(0.0);
-            Face { body, colour: colour.map(|share| share * light), normal: normal.into() }
+            let shows = colour.map(|share| share * light);
+            Face { body, material: *colour, colour: shows, normal: normal.into() }
         }));
         for (triangle, patch) in surface.triangles.iter().zip(&surface.patch_of) {
             let corners = triangle.map(|corner| self.screen[corner as usize]);

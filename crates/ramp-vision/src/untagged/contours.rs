@@ -29,6 +29,8 @@ pub struct Step {
     pub inside: usize,
     /// What the ground beside it would be.
     pub ground: Colour,
+    /// Whether both sides are of one material: light alone tells them apart, and a shadow may hide it.
+    pub by_light: bool,
 }
 
 /// The steps of a part: one in each cell of the image that has some, row by row.
@@ -173,7 +175,9 @@ impl Drawing<'_> {
             }
         }
         let (strength, channel) = strongest;
-        let step = Step { at, channel, strength, inside, ground: GROUNDS[ground] };
+        let material = |face: u32| canvas.faces[face as usize].material;
+        let by_light = !beside_ground && material(a) == material(b);
+        let step = Step { at, channel, strength, inside, ground: GROUNDS[ground], by_light };
         (strength >= LEAST_STEP).then_some((part, step))
     }
 }

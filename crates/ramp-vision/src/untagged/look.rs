@@ -296,7 +296,14 @@ impl Look<'_> {
         };
         let places: Vec<Option<Place>> = marks.iter().map(measured).collect();
         work.places = places.iter().flatten().copied().collect();
-        work.candidates = marks.len();
+        // The hand throws a shadow on what its camera sees. A step that it may hide, or lie beside, tells
+        // something only where it shows.
+        let may_hide = |mark: &Mark| self.image.camera == Camera::Wrist && mark.by_light;
+        let counted = |tells: &dyn Fn(&Option<Place>) -> bool| {
+            marks.iter().zip(&places).filter(|(mark, place)| !may_hide(mark) || tells(place)).count()
+        };
+        work.steps = marks.len();
+        work.candidates = counted(&Option::is_some);
         // In the hand it may have moved, and what is behind it is the hand.
         work.absent = !part.held && (work.depths.show_absence() || self.refutes(work, work.places.len()));
         if work.places.len() < LEAST_STEPS {
@@ -308,6 +315,7 @@ impl Look<'_> {
         let good =
             |place: &Option<Place>| place.as_ref().is_some_and(|place| supports(lens, &fitted.x_cp, place));
         let over = || marks.iter().zip(&places).filter(|(mark, _)| mark.across);
+        work.candidates = counted(&good);
         work.across = [over().count(), over().filter(|(_, place)| good(place)).count()];
         let now = |p_p: &Point3<f64>| lens.project(&(fitted.x_cp * p_p));
         let far = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);

@@ -23,6 +23,8 @@ pub struct Mark {
     pub normal: [f64; 2],
     /// Whether it tells where the part is along its axis.
     pub across: bool,
+    /// Whether a shadow may hide it.
+    pub by_light: bool,
     /// The profile that is looked for near its drawn place.
     near: Option<Profile>,
     /// The same with larger pixels, for a first window that is wide.
@@ -67,6 +69,7 @@ pub fn marks(
             at: step.at,
             normal,
             across: share > ACROSS,
+            by_light: step.by_light,
             near: profile(1.0),
             wide: if scale > 1.0 { profile(scale) } else { None },
         })

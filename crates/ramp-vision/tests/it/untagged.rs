@@ -164,7 +164,7 @@ fn everything_on_the_sheet_is_found_from_above() {
 #[test]
 fn a_part_that_is_gone_is_not_found() {
     let mut cell = Cell::new();
-    let gone = ["b4", "p2"];
+    let gone = ["b4", "p2", "p13"];
     let there = cell.table.parts.clone();
     cell.table.parts.retain(|(part, _)| !gone.contains(&part.as_str()));
     let at = there.iter().find(|(part, _)| part == "p2").unwrap().1.translation.vector;
@@ -304,4 +304,28 @@ fn depth_tells_heights() {
     }
     assert!(with.len() >= 5 && without.len() >= 5, "{} {}", with.len(), without.len());
     assert!(quantile(&with, 0.5) < 0.8 * quantile(&without, 0.5), "{with:?} {without:?}");
+}
+
+/// The hand throws its shadow on the pegs below it, and their tops become as dark as their sides: they are
+/// found all the same.
+#[test]
+fn pegs_in_the_shadow_of_the_hand_are_found() {
+    let mut cell = Cell::new();
+    let pegs = cell.table.parts.iter().filter(|(part, _)| part.starts_with('p'));
+    let pegs: Vec<(String, Point3<f64>)> =
+        pegs.map(|(part, x)| (part.clone(), Point3::from(x.translation.vector))).collect();
+    let (mut shown, mut seen) = (0, 0);
+    for (view, (_, at)) in (0u32..).zip(&pegs) {
+        let x_wt = tip_above(&wrist(), [at.x, at.y, 0.21], 0.8 * f64::from(view) - 5.0, [0.0; 2]);
+        let image = cell.look(Camera::Wrist, x_wt, u64::from(view));
+        let found = cell.find(&image, (1.0e-3, 0.01), u64::from(view));
+        let x_cw = wrist().x_wc(&x_wt).inverse();
+        // Away from the border and from the fingers.
+        let is_inside = |[x, y]: [f64; 2]| (150.0..1130.0).contains(&x) && (150.0..550.0).contains(&y);
+        for (peg, _) in pegs.iter().filter(|(_, at)| wrist().project(&(x_cw * at)).is_some_and(is_inside)) {
+            shown += 1;
+            seen += usize::from(found.iter().any(|it| it.part == *peg && cell.error(it)[0] < 2.0));
+        }
+    }
+    assert!(shown > 60 && seen * 20 >= shown * 19, "{seen} of {shown}");
 }
