@@ -24,8 +24,8 @@ const ALONG_OPEN: f64 = 2.0e-3;
 /// Two small parts whose middles are nearer than this are in one place, and two long ones whose axes are, m.
 const ONE_PLACE: f64 = 10.0e-3;
 const ONE_AXIS: f64 = 12.0e-3;
-/// Shorter parts are small, m.
-const SMALL: f64 = 0.1;
+/// Shorter parts are small, as pegs are, m.
+pub const SMALL: f64 = 0.1;
 /// Least cosine of the angle between axes in one place.
 const PARALLEL: f64 = 0.97;
 /// Error of the faces of a part (1 σ), m: all that is seen of it may be off by this against its drawing. So

@@ -3,7 +3,7 @@
 use nalgebra::{Point3, SMatrix, Translation3, UnitQuaternion, Vector3};
 use ramp_robot::{Camera, CameraModel, Image, Pose};
 
-use super::acceptance::{LEAST_STEPS, Work, accept, apart};
+use super::acceptance::{LEAST_STEPS, SMALL, Work, accept, apart};
 use super::canvas::{Canvas, Lens};
 use super::contours::{Contour, Step, contours};
 use super::depths::Depths;
@@ -297,8 +297,11 @@ impl Look<'_> {
         let places: Vec<Option<Place>> = marks.iter().map(measured).collect();
         work.places = places.iter().flatten().copied().collect();
         // The hand throws a shadow on what its camera sees. A step that it may hide, or lie beside, tells
-        // something only where it shows.
-        let may_hide = |mark: &Mark| self.image.camera == Camera::Wrist && mark.by_light;
+        // something only where it shows. A beam has enough steps between its materials.
+        let is_small = |surface: &Surface| 2.0 * f64::from(surface.ball.1) < SMALL;
+        let of_one_material = self.bodies.surfaces.get(&part.part).is_some_and(is_small);
+        let in_shadow = self.image.camera == Camera::Wrist && of_one_material;
+        let may_hide = |mark: &Mark| in_shadow && mark.by_light;
         let counted = |tells: &dyn Fn(&Option<Place>) -> bool| {
             marks.iter().zip(&places).filter(|(mark, place)| !may_hide(mark) || tells(place)).count()
         };
