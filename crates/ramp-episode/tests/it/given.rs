@@ -249,7 +249,8 @@ fn a_beam_that_lies_on_another_is_laid_aside_first() {
     let state = state(&goal, text);
     let world = World::shipped("real").unwrap();
     for track in [Track::State, Track::Tags] {
-        let result = goal.run_setup(&Setup { state: Some(&state), world, ..goal.setup(track, 1) });
+        let setup = Setup { state: Some(&state), world, start: Start::moved(), ..goal.setup(track, 1) };
+        let result = goal.run_setup(&setup);
         assert_eq!(result.completion, 1.0, "{track:?}: {:?}", result.events);
         let told: Vec<String> = result.events.iter().map(|event| event.kind.to_string()).collect();
         let aside = told.iter().position(|told| told.contains("b1 lies on b5: laid down"));
