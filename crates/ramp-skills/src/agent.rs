@@ -179,8 +179,8 @@ impl<'a> Baseline<'a> {
         self
     }
 
-    /// Executes this given plan and no other, with the usual check of the holes before each peg. If the plan
-    /// fails, the agent gives up. `sha256` is the hash, in hex, of the file or folder of the plan: it becomes
+    /// Executes this given plan and no other, with the usual check of the holes before each peg, and of what
+    /// lies on a beam before that is taken. If the plan fails, the agent gives up. `sha256` is the hash, in hex, of the file or folder of the plan: it becomes
     /// part of the agent's name in results.
     #[must_use]
     pub fn with_plan(mut self, plan: Plan, sha256: &str) -> Baseline<'a> {

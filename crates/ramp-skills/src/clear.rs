@@ -1,5 +1,5 @@
-//! Lays beams aside that lie in the way: before a build from a start whose parts lie anywhere, where it finds
-//! the parts and clears the place of the frame, and before a beam is taken on which others lie.
+//! Lays beams aside that lie in the way: before a build from a start whose parts lie anywhere, for which it
+//! finds the parts and clears the place of the frame; and before a beam is taken on which others lie.
 
 use std::f64::consts::FRAC_PI_2;
 
