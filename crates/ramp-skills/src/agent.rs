@@ -180,8 +180,8 @@ impl<'a> Baseline<'a> {
     }
 
     /// Executes this given plan and no other, with the usual check of the holes before each peg, and of what
-    /// lies on a beam before that is taken. If the plan fails, the agent gives up. `sha256` is the hash, in hex, of the file or folder of the plan: it becomes
-    /// part of the agent's name in results.
+    /// lies on a beam before that is taken. If the plan fails, the agent gives up. `sha256` is the hash, in
+    /// hex, of the file or folder of the plan: it becomes part of the agent's name in results.
     #[must_use]
     pub fn with_plan(mut self, plan: Plan, sha256: &str) -> Baseline<'a> {
         self.replaced.plan = Some(sha256.to_string());
